@@ -1,0 +1,380 @@
+//! Data sets: the operations on arrays of directions.
+
+use clerestory::bsdf::{Band, Bsdf, Lobes, Metadata, Part, Region, Scatterer, Turn};
+use clerestory::direction::{Direction, Scatter, Side};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2, ToPyArray};
+use pyo3::prelude::*;
+use rayon::prelude::*;
+
+use crate::arrays::{directions, same_length, scatter, side};
+use crate::basis::PyBasis;
+use crate::errors::{ClerestoryError, raise};
+use crate::model::PyModel;
+
+/// A data set of one sample.
+#[pyclass(name = "Bsdf", frozen, module = "clerestory")]
+#[derive(Clone)]
+pub struct PyBsdf(pub Bsdf);
+
+/// Name, source and detector spectrum, and models by side and scatter.
+type BandParts<'py> = (
+    String,
+    Option<String>,
+    Option<String>,
+    Vec<(String, String, Bound<'py, PyModel>)>,
+);
+
+/// Models for the sides that an array of incident directions needs.
+struct BySide([Option<Lobes>; 2]);
+
+impl BySide {
+    fn new(bsdf: &Bsdf, bands: &[Option<String>], incident: &[Direction], scatter: Option<Scatter>) -> PyResult<Self> {
+        let bands: Vec<Option<&str>> = bands.iter().map(Option::as_deref).collect();
+        let mut lobes = [None, None];
+        for side in Side::BOTH {
+            if incident.iter().any(|d| d.side() == side) {
+                lobes[side as usize] = Some(Lobes::new(bsdf, &bands, side, scatter).map_err(raise)?);
+            }
+        }
+        Ok(Self(lobes))
+    }
+
+    fn of(&self, incident: Direction) -> &Lobes {
+        self.0[incident.side() as usize]
+            .as_ref()
+            .expect("made for every side that occurs")
+    }
+}
+
+/// Which component answers each pair of directions, if it is the same for all of them.
+fn one_scatter(incident: &[Direction], outgoing: &[Direction]) -> Option<Scatter> {
+    let of = |i: &Direction, o: &Direction| {
+        if i.side() == o.side() {
+            Scatter::Reflection
+        } else {
+            Scatter::Transmission
+        }
+    };
+    let first = of(incident.first()?, outgoing.first()?);
+    incident
+        .iter()
+        .zip(outgoing)
+        .all(|(i, o)| of(i, o) == first)
+        .then_some(first)
+}
+
+/// A region from the words of the API.
+#[derive(FromPyObject)]
+pub enum RegionSpec<'py> {
+    /// `("hemisphere",)` is None in Python; a cone or ring: axis (x, y on the disk), inner and outer angle (radians).
+    Ring((f64, f64), f64, f64),
+    /// Basis and 0-based patches.
+    Patches(Bound<'py, PyBasis>, Vec<usize>),
+}
+
+fn region(spec: Option<&RegionSpec<'_>>) -> PyResult<Region> {
+    Ok(match spec {
+        None => Region::Hemisphere,
+        Some(RegionSpec::Ring((x, y), inner, outer)) => {
+            let axis = clerestory::direction::Disk::new(*x, *y);
+            if *inner <= 0.0 {
+                Region::Cone {
+                    axis,
+                    half_angle: *outer,
+                }
+            } else {
+                Region::Ring {
+                    axis,
+                    inner: *inner,
+                    outer: *outer,
+                }
+            }
+        }
+        Some(RegionSpec::Patches(basis, patches)) => {
+            let basis = basis.get().0.clone();
+            if let Some(p) = patches.iter().find(|&&p| p >= basis.len()) {
+                return Err(ClerestoryError::new_err(format!(
+                    "patch index {p} is not one of the {} of {}",
+                    basis.len(),
+                    basis.name()
+                )));
+            }
+            Region::patches(basis, patches.clone())
+        }
+    })
+}
+
+fn part(name: &str) -> PyResult<Part> {
+    match name {
+        "all" => Ok(Part::All),
+        "scattered" => Ok(Part::Scattered),
+        "direct" => Ok(Part::Direct),
+        _ => Err(ClerestoryError::new_err(format!(
+            "part {name:?} is not known (give all, scattered or direct)"
+        ))),
+    }
+}
+
+fn array2<'py>(py: Python<'py>, rows: &[Vec<f64>], width: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    if rows.is_empty() {
+        return Ok(PyArray2::zeros(py, [0, width], false));
+    }
+    Ok(PyArray2::from_vec2(py, rows)?)
+}
+
+#[pymethods]
+impl PyBsdf {
+    #[new]
+    fn new(bands: Vec<BandParts<'_>>) -> PyResult<Self> {
+        let bands = bands
+            .into_iter()
+            .map(|(name, source, detector, models)| {
+                let mut band = Band::new(name);
+                band.source_spectrum = source;
+                band.detector_spectrum = detector;
+                for (side_name, scatter_name, model) in models {
+                    band.set(side(&side_name)?, scatter(&scatter_name)?, Some(model.get().0.clone()));
+                }
+                Ok(band)
+            })
+            .collect::<PyResult<_>>()?;
+        Bsdf::new(bands, Metadata::default()).map(Self).map_err(raise)
+    }
+
+    /// Name, source and detector spectrum, and models by side and scatter, of every band.
+    fn bands(
+        &self,
+    ) -> Vec<(
+        String,
+        Option<String>,
+        Option<String>,
+        Vec<(&'static str, &'static str, PyModel)>,
+    )> {
+        self.0
+            .bands()
+            .iter()
+            .map(|band| {
+                let models = band
+                    .components()
+                    .map(|(s, c, m)| (s.name(), c.name(), PyModel(m.clone())))
+                    .collect();
+                (
+                    band.name.clone(),
+                    band.source_spectrum.clone(),
+                    band.detector_spectrum.clone(),
+                    models,
+                )
+            })
+            .collect()
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.0.warnings.clone()
+    }
+
+    /// The model of a component and whether reciprocity gave it.
+    fn component(&self, band: Option<&str>, side_name: &str, scatter_name: &str) -> PyResult<(PyModel, bool)> {
+        let outcome = self
+            .0
+            .component(band, side(side_name)?, scatter(scatter_name)?)
+            .map_err(raise)?;
+        Ok((PyModel(outcome.component), outcome.by_reciprocity))
+    }
+
+    fn evaluate<'py>(
+        &self,
+        py: Python<'py>,
+        incident: PyReadonlyArray2<'py, f64>,
+        outgoing: PyReadonlyArray2<'py, f64>,
+        bands: Vec<Option<String>>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (incident, outgoing) = (directions(&incident, "incident")?, directions(&outgoing, "outgoing")?);
+        same_length(incident.len(), outgoing.len())?;
+        let lobes = BySide::new(&self.0, &bands, &incident, one_scatter(&incident, &outgoing))?;
+        let rows: Vec<Vec<f64>> = py.detach(|| {
+            incident
+                .par_iter()
+                .zip(&outgoing)
+                .with_min_len(4096)
+                .map(|(i, o)| lobes.of(*i).evaluate(*i, *o))
+                .collect()
+        });
+        array2(py, &rows, bands.len())
+    }
+
+    fn pdf<'py>(
+        &self,
+        py: Python<'py>,
+        incident: PyReadonlyArray2<'py, f64>,
+        outgoing: PyReadonlyArray2<'py, f64>,
+        bands: Vec<Option<String>>,
+        scatter_name: Option<&str>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (incident, outgoing) = (directions(&incident, "incident")?, directions(&outgoing, "outgoing")?);
+        same_length(incident.len(), outgoing.len())?;
+        let lobes = BySide::new(&self.0, &bands, &incident, scatter_name.map(scatter).transpose()?)?;
+        let values: Vec<f64> = py.detach(|| {
+            incident
+                .par_iter()
+                .zip(&outgoing)
+                .with_min_len(4096)
+                .map(|(i, o)| lobes.of(*i).pdf(*i, *o))
+                .collect()
+        });
+        Ok(values.to_pyarray(py))
+    }
+
+    /// Outgoing directions (n, 3), weights (n, bands), whether a peak (n). Where nothing leaves the weights are 0.
+    #[allow(clippy::type_complexity, reason = "three arrays")]
+    fn sample<'py>(
+        &self,
+        py: Python<'py>,
+        incident: PyReadonlyArray2<'py, f64>,
+        u: PyReadonlyArray2<'py, f64>,
+        bands: Vec<Option<String>>,
+        scatter_name: Option<&str>,
+    ) -> PyResult<(
+        Bound<'py, PyArray2<f64>>,
+        Bound<'py, PyArray2<f64>>,
+        Bound<'py, PyArray1<bool>>,
+    )> {
+        let incident = directions(&incident, "incident")?;
+        let u: Vec<[f64; 2]> = u.as_array().rows().into_iter().map(|r| [r[0], r[1]]).collect();
+        same_length(incident.len(), u.len())?;
+        let lobes = BySide::new(&self.0, &bands, &incident, scatter_name.map(scatter).transpose()?)?;
+        let samples: Vec<_> = py.detach(|| {
+            incident
+                .par_iter()
+                .zip(&u)
+                .with_min_len(4096)
+                .map(|(i, u)| lobes.of(*i).sample(*i, *u))
+                .collect()
+        });
+        let outgoing: Vec<Vec<f64>> = samples
+            .iter()
+            .map(|s| {
+                s.as_ref()
+                    .map_or(vec![0.0, 0.0, 1.0], |s| vec![s.outgoing.x, s.outgoing.y, s.outgoing.z])
+            })
+            .collect();
+        let weights: Vec<Vec<f64>> = samples
+            .iter()
+            .map(|s| s.as_ref().map_or(vec![0.0; bands.len()], |s| s.weights.clone()))
+            .collect();
+        let peak: Vec<bool> = samples.iter().map(|s| s.as_ref().is_some_and(|s| s.peak)).collect();
+        Ok((
+            array2(py, &outgoing, 3)?,
+            array2(py, &weights, bands.len())?,
+            peak.to_pyarray(py),
+        ))
+    }
+
+    /// Flux into a region per unit of incident flux (n), and its standard error (NaN where none is known).
+    #[allow(clippy::too_many_arguments, reason = "keyword arguments of the Python API")]
+    fn integrate<'py>(
+        &self,
+        py: Python<'py>,
+        incident: PyReadonlyArray2<'py, f64>,
+        band: Option<&str>,
+        scatter_name: &str,
+        region_spec: Option<RegionSpec<'py>>,
+        part_name: &str,
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+        let incident = directions(&incident, "incident")?;
+        let (region, part, scatter) = (region(region_spec.as_ref())?, part(part_name)?, scatter(scatter_name)?);
+        let models = self.models(band, &incident, scatter)?;
+        let estimates: Vec<_> = py.detach(|| {
+            incident
+                .par_iter()
+                .map(|i| {
+                    let model = models[i.side() as usize]
+                        .as_ref()
+                        .expect("made for every side that occurs");
+                    model.integrate(i.incident_disk(), &region, part)
+                })
+                .collect()
+        });
+        let values: Vec<f64> = estimates.iter().map(|e| e.value).collect();
+        let errors: Vec<f64> = estimates.iter().map(|e| e.standard_error.unwrap_or(f64::NAN)).collect();
+        Ok((values.to_pyarray(py), errors.to_pyarray(py)))
+    }
+
+    /// Peaks of all incident directions: row of the direction, outgoing direction, value, extent (radians).
+    #[allow(clippy::type_complexity, reason = "a list of plain rows")]
+    fn peaks(
+        &self,
+        incident: PyReadonlyArray2<'_, f64>,
+        band: Option<&str>,
+        scatter_name: &str,
+    ) -> PyResult<Vec<(usize, (f64, f64, f64), f64, f64)>> {
+        let incident = directions(&incident, "incident")?;
+        let scatter = scatter(scatter_name)?;
+        let models = self.models(band, &incident, scatter)?;
+        let mut rows = Vec::new();
+        for (row, i) in incident.iter().enumerate() {
+            let model = models[i.side() as usize]
+                .as_ref()
+                .expect("made for every side that occurs");
+            for peak in model.peaks(i.incident_disk()) {
+                let d = peak.outgoing.outgoing(scatter.outgoing_side(i.side()));
+                rows.push((row, (d.x, d.y, d.z), peak.value, peak.extent));
+            }
+        }
+        Ok(rows)
+    }
+
+    /// Full angle below which detail is not resolved (n), radians.
+    fn resolution<'py>(
+        &self,
+        py: Python<'py>,
+        incident: PyReadonlyArray2<'py, f64>,
+        band: Option<&str>,
+        scatter_name: &str,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let incident = directions(&incident, "incident")?;
+        let models = self.models(band, &incident, scatter(scatter_name)?)?;
+        let values: Vec<f64> = incident
+            .iter()
+            .map(|i| {
+                let model = models[i.side() as usize]
+                    .as_ref()
+                    .expect("made for every side that occurs");
+                model.resolution(i.incident_disk())
+            })
+            .collect();
+        Ok(values.to_pyarray(py))
+    }
+
+    fn flipped(&self) -> Self {
+        Self(self.0.flipped())
+    }
+
+    /// Mirrored (left to right) if asked for, then turned counter-clockwise as seen from the room (radians).
+    fn turned(&self, angle: f64, mirror: bool) -> PyResult<Self> {
+        self.0.turned(Turn::new(angle, mirror)).map(Self).map_err(raise)
+    }
+
+    #[staticmethod]
+    fn merged(sets: Vec<Bound<'_, PyBsdf>>) -> PyResult<Self> {
+        let sets: Vec<Bsdf> = sets.iter().map(|s| s.get().0.clone()).collect();
+        Bsdf::merged(&sets).map(Self).map_err(raise)
+    }
+}
+
+impl PyBsdf {
+    fn models(
+        &self,
+        band: Option<&str>,
+        incident: &[Direction],
+        scatter: Scatter,
+    ) -> PyResult<[Option<clerestory::bsdf::Component>; 2]> {
+        let mut models = [None, None];
+        for side in Side::BOTH {
+            if incident.iter().any(|d| d.side() == side) {
+                models[side as usize] = Some(self.0.component(band, side, scatter).map_err(raise)?.component);
+            }
+        }
+        Ok(models)
+    }
+}

@@ -1,0 +1,28 @@
+//! Python binding: converts arguments, releases the interpreter lock, maps errors. No arithmetic here.
+
+mod arrays;
+mod basis;
+mod bsdf;
+mod errors;
+mod model;
+
+use pyo3::prelude::*;
+
+/// Clerestory's compiled core; use it through the `clerestory` package.
+#[pymodule]
+mod _core {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use crate::basis::PyBasis;
+    #[pymodule_export]
+    use crate::bsdf::PyBsdf;
+    #[pymodule_export]
+    use crate::model::PyModel;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        crate::errors::register(module)?;
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

@@ -1,0 +1,341 @@
+//! A whole data set: bands, both sides, transmission and reflection, and what is known of the sample.
+
+use std::sync::Arc;
+
+use super::{Metadata, Model, Part, Peak, Sample, Scatterer, Turn};
+use crate::direction::{Direction, Scatter, Side};
+use crate::error::{Error, Result};
+
+/// A model of light from one side, transmitted or reflected.
+pub type Component = Arc<Model>;
+
+/// One spectral band.
+#[derive(Debug, Clone)]
+pub struct Band {
+    /// `visible`, `solar`, `nir`, `thermal`, `cie-x` …, or a wavelength such as `550 nm`.
+    pub name: String,
+    /// Source spectrum by which the band was weighted, as the file names it.
+    pub source_spectrum: Option<String>,
+    /// Detector spectrum, as the file names it.
+    pub detector_spectrum: Option<String>,
+    components: [[Option<Component>; 2]; 2],
+}
+
+impl Band {
+    /// A band without data.
+    pub fn new(name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            source_spectrum: None,
+            detector_spectrum: None,
+            components: Default::default(),
+        }
+    }
+
+    /// The component for light from `side`, if the data set holds it.
+    pub fn get(&self, side: Side, scatter: Scatter) -> Option<&Component> {
+        self.components[side as usize][scatter as usize].as_ref()
+    }
+
+    /// Puts a component in; the old one is returned.
+    pub fn set(&mut self, side: Side, scatter: Scatter, component: Option<Component>) -> Option<Component> {
+        std::mem::replace(&mut self.components[side as usize][scatter as usize], component)
+    }
+
+    /// With a component put in.
+    #[must_use]
+    pub fn with(mut self, side: Side, scatter: Scatter, model: Model) -> Self {
+        self.set(side, scatter, Some(Arc::new(model)));
+        self
+    }
+
+    /// The components that are there, in the order exterior and interior, transmission and reflection.
+    pub fn components(&self) -> impl Iterator<Item = (Side, Scatter, &Component)> {
+        Side::BOTH
+            .into_iter()
+            .flat_map(|side| Scatter::BOTH.map(|scatter| (side, scatter)))
+            .filter_map(|(side, scatter)| self.get(side, scatter).map(|c| (side, scatter, c)))
+    }
+}
+
+/// A component that was asked for.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// The model.
+    pub component: Component,
+    /// It was not in the data set: the other side's transmission answers by reciprocity.
+    pub by_reciprocity: bool,
+}
+
+/// A data set of one sample.
+#[derive(Debug, Clone)]
+pub struct Bsdf {
+    bands: Vec<Band>,
+    /// What is known of the sample.
+    pub metadata: Metadata,
+    /// What was faulty or surprising in the file that it came from.
+    pub warnings: Vec<String>,
+}
+
+impl Bsdf {
+    /// From bands of different names, one or more.
+    pub fn new(bands: Vec<Band>, metadata: Metadata) -> Result<Self> {
+        if bands.is_empty() {
+            return Err(Error::Missing("a BSDF needs at least one band".into()));
+        }
+        for (k, band) in bands.iter().enumerate() {
+            if bands[..k].iter().any(|b| b.name == band.name) {
+                return Err(Error::Argument(format!("band {:?} is there twice", band.name)));
+            }
+        }
+        Ok(Self {
+            bands,
+            metadata,
+            warnings: Vec::new(),
+        })
+    }
+
+    /// All bands.
+    pub fn bands(&self) -> &[Band] {
+        &self.bands
+    }
+
+    /// A band by its name; `None` asks for visible, or the first where there is no visible one.
+    pub fn band(&self, name: Option<&str>) -> Result<&Band> {
+        match name {
+            None => Ok(self
+                .bands
+                .iter()
+                .find(|b| b.name == "visible")
+                .unwrap_or(&self.bands[0])),
+            Some(name) => self
+                .bands
+                .iter()
+                .find(|b| b.name.eq_ignore_ascii_case(name))
+                .ok_or_else(|| {
+                    let names: Vec<&str> = self.bands.iter().map(|b| b.name.as_str()).collect();
+                    Error::Missing(format!("no band {name:?} (the data set has: {})", names.join(", ")))
+                }),
+        }
+    }
+
+    /// A component. A missing transmission side is answered by reciprocity; a missing reflection is an error.
+    pub fn component(&self, band: Option<&str>, side: Side, scatter: Scatter) -> Result<Outcome> {
+        let band = self.band(band)?;
+        if let Some(component) = band.get(side, scatter) {
+            return Ok(Outcome {
+                component: component.clone(),
+                by_reciprocity: false,
+            });
+        }
+        if scatter == Scatter::Transmission
+            && let Some(other) = band.get(side.opposite(), scatter)
+        {
+            return Ok(Outcome {
+                component: Arc::new(other.reciprocal()),
+                by_reciprocity: true,
+            });
+        }
+        Err(Error::Missing(format!(
+            "band {:?} has no {} for light from the {}",
+            band.name,
+            scatter.name(),
+            side.name()
+        )))
+    }
+
+    /// Every component replaced by what `map` makes of it.
+    pub fn try_map(&self, mut map: impl FnMut(&str, Side, Scatter, &Model) -> Result<Model>) -> Result<Self> {
+        let mut result = self.clone();
+        for band in &mut result.bands {
+            for side in Side::BOTH {
+                for scatter in Scatter::BOTH {
+                    if let Some(component) = band.get(side, scatter).cloned() {
+                        let model = map(&band.name, side, scatter, &component)?;
+                        band.set(side, scatter, Some(Arc::new(model)));
+                    }
+                }
+            }
+        }
+        Ok(result)
+    }
+
+    /// The sample turned about its vertical axis: the interior face becomes the exterior one.
+    #[must_use]
+    pub fn flipped(&self) -> Self {
+        let mut result = self.clone();
+        for (new, old) in result.bands.iter_mut().zip(&self.bands) {
+            for side in Side::BOTH {
+                for scatter in Scatter::BOTH {
+                    let model = old
+                        .get(side.opposite(), scatter)
+                        .map(|c| Arc::new(c.turned(Turn::new(0.0, true))));
+                    new.set(side, scatter, model);
+                }
+            }
+        }
+        result
+    }
+
+    /// The sample mirrored or turned in its plane.
+    pub fn turned(&self, turn: Turn) -> Result<Self> {
+        self.try_map(|_, _, _, model| Ok(model.turned(turn)))
+    }
+
+    /// Bands of several data sets of one sample as one. The metadata of the first is kept, with the `<Material>` fields
+    /// that only others have.
+    pub fn merged(sets: &[Self]) -> Result<Self> {
+        let bands = sets.iter().flat_map(|s| s.bands.iter().cloned()).collect();
+        let mut metadata = sets.first().map(|s| s.metadata.clone()).unwrap_or_default();
+        for set in sets.iter().skip(1) {
+            for field in set.metadata.material.iter().flat_map(|m| &m.children) {
+                if metadata.material_text(&field.name).is_none() {
+                    let material = metadata
+                        .material
+                        .get_or_insert_with(|| super::Element::leaf("Material", ""));
+                    material.children.retain(|c| c.name != field.name);
+                    material.children.push(field.clone());
+                }
+            }
+        }
+        let mut result = Self::new(bands, metadata)?;
+        result.warnings = sets.iter().flat_map(|s| s.warnings.iter().cloned()).collect();
+        Ok(result)
+    }
+}
+
+/// A data set's models for light from one side, ready for many evaluations: one list of bands for transmission and
+/// reflection.
+#[derive(Debug, Clone)]
+pub struct Lobes {
+    side: Side,
+    /// By scatter, then by band.
+    models: Vec<(Scatter, Vec<Component>)>,
+}
+
+/// A sampled direction with one weight a band.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BandSample {
+    /// Direction that the light leaves to.
+    pub outgoing: Direction,
+    /// BSDF times cosine over density, by band.
+    pub weights: Vec<f64>,
+    /// Whether it is a peak.
+    pub peak: bool,
+}
+
+impl Lobes {
+    /// Models of `bands` for light from `side`, transmitted, reflected or (`None`) both.
+    pub fn new(bsdf: &Bsdf, bands: &[Option<&str>], side: Side, scatter: Option<Scatter>) -> Result<Self> {
+        let scatters = scatter.map_or(Scatter::BOTH.to_vec(), |s| vec![s]);
+        let models = scatters
+            .into_iter()
+            .map(|scatter| {
+                let components = bands
+                    .iter()
+                    .map(|band| bsdf.component(*band, side, scatter).map(|o| o.component))
+                    .collect::<Result<Vec<_>>>()?;
+                Ok((scatter, components))
+            })
+            .collect::<Result<_>>()?;
+        Ok(Self { side, models })
+    }
+
+    fn models_to(&self, outgoing: Side) -> Option<&[Component]> {
+        self.models
+            .iter()
+            .find(|(scatter, _)| scatter.outgoing_side(self.side) == outgoing)
+            .map(|(_, m)| m.as_slice())
+    }
+
+    /// BSDF of scattered light by band (1/sr).
+    pub fn evaluate(&self, incident: Direction, outgoing: Direction) -> Vec<f64> {
+        let (ti, to) = (incident.incident_disk(), outgoing.outgoing_disk());
+        self.models_to(outgoing.side())
+            .map_or_else(Vec::new, |models| models.iter().map(|m| m.evaluate(ti, to)).collect())
+    }
+
+    /// A direction drawn from the mean of the bands' densities, over transmission and reflection together.
+    pub fn sample(&self, incident: Direction, u: [f64; 2]) -> Option<BandSample> {
+        let ti = incident.incident_disk();
+        let totals: Vec<Vec<f64>> = self
+            .models
+            .iter()
+            .map(|(_, models)| models.iter().map(|m| m.total(ti, Part::All).value).collect())
+            .collect();
+        let sum: f64 = totals.iter().flatten().sum();
+        if sum <= 0.0 {
+            return None;
+        }
+        let mut target = u[0] * sum;
+        // Rounding can leave the target past the last total: then the last one that is not zero.
+        let mut chosen = None;
+        let choices = totals
+            .iter()
+            .enumerate()
+            .flat_map(|(s, by_band)| by_band.iter().enumerate().map(move |(b, &total)| (s, b, total)));
+        for (s, b, total) in choices.filter(|c| c.2 > 0.0) {
+            chosen = Some((s, b, (target / total).clamp(0.0, 1.0 - f64::EPSILON)));
+            if target < total {
+                break;
+            }
+            target -= total;
+        }
+        let (s, b, inner) = chosen?;
+        let (scatter, models) = &self.models[s];
+        let Sample { outgoing, peak, .. } = models[b].sample(ti, [inner, u[1]])?;
+        let values: Vec<f64> = if peak {
+            // A peak of value v is drawn with probability v / sum over all bands.
+            models
+                .iter()
+                .map(|m| {
+                    let same = |p: &Peak| (p.outgoing.x - outgoing.x).hypot(p.outgoing.y - outgoing.y) < 1e-9;
+                    m.peaks(ti).iter().filter(|p| same(p)).map(|p| p.value).sum()
+                })
+                .collect()
+        } else {
+            models
+                .iter()
+                .map(|m| m.evaluate(ti, outgoing) * outgoing.cos_theta())
+                .collect()
+        };
+        let density = if peak {
+            values.iter().sum::<f64>() / sum
+        } else {
+            models
+                .iter()
+                .zip(&totals[s])
+                .filter(|&(_, &total)| total > 0.0)
+                .map(|(m, total)| total / sum * m.pdf(ti, outgoing))
+                .sum()
+        };
+        if density <= 0.0 {
+            return None;
+        }
+        Some(BandSample {
+            outgoing: outgoing.outgoing(scatter.outgoing_side(self.side)),
+            weights: values.iter().map(|v| v / density).collect(),
+            peak,
+        })
+    }
+
+    /// Density of scattered directions of [`Lobes::sample`] (1/sr).
+    pub fn pdf(&self, incident: Direction, outgoing: Direction) -> f64 {
+        let (ti, to) = (incident.incident_disk(), outgoing.outgoing_disk());
+        let sum: f64 = self
+            .models
+            .iter()
+            .flat_map(|(_, models)| models)
+            .map(|m| m.total(ti, Part::All).value)
+            .sum();
+        if sum <= 0.0 {
+            return 0.0;
+        }
+        self.models_to(outgoing.side()).map_or(0.0, |models| {
+            models
+                .iter()
+                .map(|m| m.total(ti, Part::All).value / sum * m.pdf(ti, to))
+                .sum()
+        })
+    }
+}

@@ -1,0 +1,32 @@
+//! Scattering models.
+//!
+//! * What every model can do: [`Scatterer`]. All of it is written on disks of travel directions
+//!   ([`Disk`](crate::direction::Disk)), for one component: light from one side, transmitted or reflected.
+//! * The models: [`Matrix`] on any pair of angle bases, tensor [`Tree`], [`analytic`] ones, [`Sum`]s; and views of
+//!   another model: [`Turned`], [`Reversed`], [`Separated`].
+//! * A whole data set with its bands, sides and metadata: [`Bsdf`].
+//! * From any model to a table: [`convert`].
+
+pub mod analytic;
+mod data;
+mod matrix;
+mod metadata;
+mod model;
+mod reversed;
+mod scatterer;
+mod separated;
+mod sum;
+pub mod tree;
+mod turned;
+
+pub use analytic::{Lambertian, Specular};
+pub use data::{Band, BandSample, Bsdf, Component, Lobes, Outcome};
+pub use matrix::Matrix;
+pub use metadata::{Element, Metadata};
+pub use model::Model;
+pub use reversed::Reversed;
+pub use scatterer::{Estimate, Part, Peak, Region, Sample, Scatterer};
+pub use separated::{Cell, Separated, Tabular};
+pub use sum::Sum;
+pub use tree::{Rank, Tree};
+pub use turned::{Turn, Turned};

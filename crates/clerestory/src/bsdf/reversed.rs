@@ -1,0 +1,73 @@
+//! The other side's transmission, or the same reflection, by reciprocity: f(vᵢ, vₒ) = f(vₒ, vᵢ).
+//!
+//! Matrices with reversible bases and 4D trees become such tables exactly (see [`Model::reciprocal`]). This view serves
+//! the rest, such as isotropic trees, point by point; it samples cosine-weighted directions, which is right but noisy
+//! where the model is peaked.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use super::{Estimate, Model, Part, Peak, Sample, Scatterer};
+use crate::direction::Disk;
+
+/// Another model, its paths travelled backwards.
+#[derive(Debug, Clone)]
+pub struct Reversed {
+    base: Arc<Model>,
+}
+
+/// Points a side on which totals are integrated.
+const GRID: usize = 192;
+
+impl Reversed {
+    /// `base` backwards. `base` is a table: it has no peaks.
+    pub fn new(base: Arc<Model>) -> Self {
+        Self { base }
+    }
+
+    /// The model whose paths are reversed.
+    pub fn base(&self) -> &Arc<Model> {
+        &self.base
+    }
+}
+
+impl Scatterer for Reversed {
+    fn evaluate(&self, incident: Disk, outgoing: Disk) -> f64 {
+        self.base.evaluate(outgoing.reversed(), incident.reversed())
+    }
+
+    fn peaks(&self, _: Disk) -> Vec<Peak> {
+        Vec::new()
+    }
+
+    fn sample(&self, incident: Disk, u: [f64; 2]) -> Option<Sample> {
+        let outgoing = Disk::uniform(u);
+        Some(Sample {
+            outgoing,
+            weight: PI * self.evaluate(incident, outgoing),
+            peak: false,
+        })
+    }
+
+    fn pdf(&self, _: Disk, outgoing: Disk) -> f64 {
+        outgoing.cos_theta() / PI
+    }
+
+    fn total(&self, incident: Disk, part: Part) -> Estimate {
+        if part == Part::Direct {
+            return 0.0.into();
+        }
+        let mut value = 0.0;
+        for i in 0..GRID {
+            for j in 0..GRID {
+                let square = [i, j].map(|k| (k as f64 + 0.5) / GRID as f64);
+                value += self.evaluate(incident, Disk::from_square(square));
+            }
+        }
+        (value * PI / (GRID * GRID) as f64).into()
+    }
+
+    fn resolution(&self, incident: Disk) -> f64 {
+        self.base.resolution(incident.reversed())
+    }
+}

@@ -1,0 +1,3 @@
+//! Files of the field, read from bytes and written to bytes.
+
+pub mod number;

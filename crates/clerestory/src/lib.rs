@@ -1,0 +1,17 @@
+//! Clerestory's core: how a window system (blind, fabric, film, glass) scatters light.
+//!
+//! * To name a direction or a side: [`direction`].
+//! * To divide a hemisphere into patches: [`basis`].
+//! * To evaluate, sample, integrate or convert a scattering model: [`bsdf`].
+//! * To read and write the field's files: [`io`].
+//!
+//! Nothing here knows of Python or of a console.
+
+pub mod basis;
+pub mod bsdf;
+pub mod direction;
+pub mod error;
+pub mod io;
+pub mod sequence;
+
+pub use error::{Error, Result};

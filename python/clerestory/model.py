@@ -1,0 +1,118 @@
+"""Models of one component: light from one side, transmitted or reflected."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from clerestory import _core
+from clerestory.basis import Basis
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from numpy.typing import ArrayLike, NDArray
+
+
+class Model:
+    """How light from one side is transmitted or reflected.
+
+    Models are put together to a data set by `Bsdf.from_models`.
+    """
+
+    def __init__(self, core: _core.Model) -> None:
+        self._core = core
+
+    @classmethod
+    def matrix(
+        cls,
+        values: ArrayLike,
+        incident: Basis,
+        outgoing: Basis | None = None,
+        *,
+        standard_errors: ArrayLike | None = None,
+    ) -> Model:
+        """Table of BSDF values.
+
+        Parameters
+        ----------
+        values
+            BSDF [1/sr], rows of outgoing and columns of incident patches.
+        incident, outgoing
+            Bases of the columns and the rows; one serves for both.
+        standard_errors
+            One a value [1/sr].
+        """
+        core = _core.Model.matrix(
+            incident._core,
+            (outgoing or incident)._core,
+            np.ascontiguousarray(values, dtype=np.float64),
+            None if standard_errors is None else np.ascontiguousarray(standard_errors, dtype=np.float64),
+        )
+        return cls(core)
+
+    @classmethod
+    def lambertian(cls, value: float) -> Model:
+        """Ideal diffuser of a given direct-hemispherical transmittance or reflectance."""
+        return cls(_core.Model.lambertian(value))
+
+    @classmethod
+    def specular(cls, value: float | ArrayLike, *, basis: Basis | None = None) -> Model:
+        """Ideal straight or mirrored beam.
+
+        Parameters
+        ----------
+        value
+            Transmittance or reflectance: a number, one a patch if `basis` is given, or else values at equal steps of
+            sin²θ from 0 to 1.
+        basis
+            Incident patches of the values.
+        """
+        values = np.asarray(value, dtype=np.float64)
+        if values.ndim == 0:
+            return cls(_core.Model.specular(float(values)))
+        if basis is None:
+            return cls(_core.Model.specular_angular(values))
+        return cls(_core.Model.specular_patches(basis._core, values))
+
+    @classmethod
+    def sum(cls, parts: Iterable[tuple[float, Model]]) -> Model:
+        """Weighted sum of models, each at its own resolution; weights are 0 or more."""
+        return cls(_core.Model.sum([(weight, model._core) for weight, model in parts]))
+
+    @property
+    def kind(self) -> str:
+        """matrix, tensor tree, Lambertian, specular, sum, turned, reversed or separated."""
+        return self._core.kind
+
+    def __repr__(self) -> str:
+        return f"<Model: {self.kind}>"
+
+    @property
+    def incident_basis(self) -> Basis:
+        """Incident patches of a matrix."""
+        return Basis(self._core.matrix_parts()[0])
+
+    @property
+    def outgoing_basis(self) -> Basis:
+        """Outgoing patches of a matrix."""
+        return Basis(self._core.matrix_parts()[1])
+
+    @property
+    def values(self) -> NDArray[np.float64]:
+        """BSDF of a matrix [1/sr], rows of outgoing and columns of incident patches."""
+        return self._core.matrix_parts()[2]
+
+    @property
+    def standard_errors(self) -> NDArray[np.float64] | None:
+        """Standard errors [1/sr] of a matrix, if it has any."""
+        return self._core.matrix_parts()[3]
+
+    def scaled(self, factor: float) -> Model:
+        """All values multiplied by a factor of 0 or more."""
+        return Model(self._core.scaled(factor))
+
+    def reciprocal(self) -> Model:
+        """The model of the reversed paths: the other side's transmission, or the same side's reflection."""
+        return Model(self._core.reciprocal())
