@@ -95,12 +95,24 @@ class Bsdf:
         >>> Bsdf.from_models({("exterior", "transmission"): Model.lambertian(0.5)}).bands
         ('visible',)
         """
-        by_band = dict(models) if all(isinstance(k, str) for k in models) else {"visible": models}
-        parts = [
-            (band, None, None, [(side, scatter, m._core) for (side, scatter), m in members.items()])
-            for band, members in by_band.items()
-        ]
-        return cls(_core.Bsdf(parts))
+        by_band: dict[str, dict[tuple[Side, Scatter], Model]] = {}
+        for key, value in models.items():
+            if isinstance(key, str) and not isinstance(value, Model):
+                by_band[key] = dict(value)
+            elif isinstance(value, Model) and not isinstance(key, str):
+                by_band.setdefault("visible", {})[key] = value
+            else:
+                raise _core.ClerestoryError(
+                    f"models by side and scatter, or from such by band, are asked for, not {key!r}"
+                )
+        return cls(
+            _core.Bsdf(
+                [
+                    (band, None, None, [(side, scatter, m._core) for (side, scatter), m in members.items()])
+                    for band, members in by_band.items()
+                ]
+            )
+        )
 
     @property
     def bands(self) -> tuple[str, ...]:
@@ -238,11 +250,11 @@ class Bsdf:
 
     def rotated(self, angle_deg: float) -> Bsdf:
         """The sample turned in its plane, counter-clockwise as seen from the room [°]."""
-        return Bsdf(self._core.turned(float(np.radians(angle_deg)), False))
+        return Bsdf(self._core.turned(float(np.radians(angle_deg)), mirror=False))
 
     def mirrored(self) -> Bsdf:
         """The sample's mirror image, left to right."""
-        return Bsdf(self._core.turned(0.0, True))
+        return Bsdf(self._core.turned(0.0, mirror=True))
 
     @classmethod
     def merged(cls, sets: Iterable[Bsdf]) -> Bsdf:
