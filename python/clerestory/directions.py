@@ -54,3 +54,57 @@ def outgoing_side(incident: Side, scatter: Scatter) -> Side:
     if scatter == "reflection":
         return incident
     return "interior" if incident == "exterior" else "exterior"
+
+
+_FROM = (
+    "from the right",
+    "from the upper right",
+    "from above",
+    "from the upper left",
+    "from the left",
+    "from the lower left",
+    "from below",
+    "from the lower right",
+)
+_TO = (
+    "to the right",
+    "up to the right",
+    "upward",
+    "up to the left",
+    "to the left",
+    "down to the left",
+    "downward",
+    "down to the right",
+)
+
+
+def incident_in_words(incident: ArrayLike) -> str:
+    """Where light comes from, as seen from the room; a sun above gives "from above, 30°".
+
+    Parameters
+    ----------
+    incident
+        Direction (3,) toward the source.
+    """
+    return _in_words(incident, _FROM)
+
+
+def outgoing_in_words(outgoing: ArrayLike) -> str:
+    """Where light goes to, as seen from the room; "downward, 30°" for a sun above, straight through.
+
+    Parameters
+    ----------
+    outgoing
+        Direction (3,) along the light.
+    """
+    return _in_words(outgoing, _TO)
+
+
+def _in_words(direction: ArrayLike, sectors: tuple[str, ...]) -> str:
+    """The nearest of eight sectors and the polar angle; the azimuth too where the sector alone would mislead."""
+    theta, phi = (round(float(a), 1) for a in angles(direction))
+    if theta < 0.1:
+        return "along the normal"
+    sector = round(phi / 45.0)
+    exact = abs(phi - 45.0 * sector) < 0.15
+    return f"{sectors[sector % 8]}, {theta:g}°" + ("" if exact else f" (azimuth {phi:g}°)")
