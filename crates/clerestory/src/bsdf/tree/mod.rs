@@ -9,12 +9,16 @@
 //! where bit k of n is set. An entry is a value (the bits of a float that is not negative) or, with the highest bit set,
 //! the number of a block.
 
+mod text;
+
 use std::f64::consts::PI;
 
 use super::separated::{Cell, Tabular};
 use super::{Estimate, Part, Peak, Sample, Scatterer, Turn};
 use crate::direction::Disk;
 use crate::error::{Error, Result};
+
+pub use text::{Clamped, parse};
 
 /// Marks an entry as the number of a block.
 const BRANCH: u32 = 1 << 31;
