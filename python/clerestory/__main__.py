@@ -1,0 +1,7 @@
+"""`python -m clerestory` is the command line."""
+
+import sys
+
+from clerestory.cli import main
+
+sys.exit(main())

@@ -1,0 +1,100 @@
+"""The command line: one thin file a command.
+
+A command is a function of its file's name; `_COMMANDS` lists them in the order in which a person meets them. Its module
+imports only the standard library, typer and `clerestory.cli.common` at its head and everything heavy inside the
+function, so that `clerestory --help` answers at once. What goes wrong leaves a command as an exception; `main` turns it
+into one line.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from importlib import import_module
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from clerestory.cli.common import UsageError, in_one_line, is_expected
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+_COMMANDS: tuple[str, ...] = ()
+
+app = typer.Typer(
+    name="clerestory",
+    add_completion=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # plain help: its layout takes a third of the time that rich's does
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _print_version(*, wanted: bool) -> None:
+    if wanted:
+        from clerestory import __version__
+
+        typer.echo(f"clerestory {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def clerestory(
+    *,
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", help="Print the version.", callback=lambda value: _print_version(wanted=value), is_eager=True
+        ),
+    ] = False,
+) -> None:
+    """Say how window systems scatter light, and compare what laboratories say about one."""
+    del version  # its callback acts
+
+
+for _name in _COMMANDS:
+    app.command(_name)(getattr(import_module(f"clerestory.cli.{_name}"), _name))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Parameters
+    ----------
+    arguments
+        Words after the program's name; those of the process by default.
+
+    Returns
+    -------
+    Exit code: 0 done, 1 failed, 2 wrong usage, 130 interrupted.
+    """
+    words = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
+    try:
+        code = app(words, prog_name="clerestory", standalone_mode=False)
+        sys.stdout.flush()
+    except typer.TyperException as error:
+        return _fail(error.format_message(), getattr(error, "exit_code", 1), getattr(error, "ctx", None))
+    except BrokenPipeError:
+        # The reader has left (`clerestory info x.xml | head -1`): nothing to say, also not when Python shuts down.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except KeyboardInterrupt:
+        code = 130
+    except Exception as error:
+        if not is_expected(error):
+            raise
+        return _fail(in_one_line(error), 2 if isinstance(error, UsageError) else 1)
+    if code == 130:
+        return _fail("interrupted", 130)
+    return code if isinstance(code, int) else 0
+
+
+def _fail(message: str, code: int, context: object = None) -> int:
+    message = " ".join(message.split())
+    command = getattr(context, "command_path", None)
+    if command is not None:  # typer's sentence about wrong usage
+        message = f"{message[:1].lower()}{message[1:].rstrip('.')} (see `{command} --help`)"
+    if message:
+        typer.echo(f"error: {message}", err=True)
+    return code
