@@ -31,7 +31,13 @@ impl<'a> Numbers<'a> {
         let mut comma = false;
         while let Some(&c) = self.text.get(self.at) {
             match c {
-                b' ' | b'\t' | b'\r' | b'\n' => {}
+                b'\n' => {
+                    // Indented files are half blanks: eight at a time.
+                    while self.text.get(self.at + 1..self.at + 9) == Some(&[b' '; 8]) {
+                        self.at += 8;
+                    }
+                }
+                b' ' | b'\t' | b'\r' => {}
                 b',' if !comma => comma = true,
                 _ => return Some(c),
             }
@@ -48,41 +54,38 @@ impl<'a> Numbers<'a> {
     /// The next number, or `None` at the end. The error says what stands there instead; its place is the offset in bytes.
     pub fn next_number(&mut self) -> Option<Result<f64>> {
         self.peek()?;
+        // Sign, digits, point, digits, exponent. With no more than 15 digits and a small power of ten both are exact, and
+        // so is their product or quotient (Clinger 1990).
         let start = self.at;
-        // Sign, digits, point, digits: most numbers end there, and are exact if small enough (Clinger 1990).
         let text = &self.text[start..];
         let mut k = usize::from(matches!(text[0], b'-' | b'+'));
-        let (mut mantissa, mut digits, mut scale) = (0_u64, 0_u32, 0_usize);
-        let mut point = false;
-        while let Some(&c) = text.get(k) {
-            if c.is_ascii_digit() {
-                mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(c - b'0'));
-                digits += 1;
-                scale += usize::from(point);
-            } else if c == b'.' && !point {
-                point = true;
-            } else {
-                break;
-            }
+        let mut mantissa = 0_u64;
+        let before = digits(text, &mut k, &mut mantissa);
+        let after = if text.get(k) == Some(&b'.') {
             k += 1;
+            digits(text, &mut k, &mut mantissa)
+        } else {
+            0
+        };
+        let mut exponent = -(after as i64);
+        let exact = (1..=15).contains(&(before + after)) && exponential(text, &mut k, &mut exponent);
+        let power = exponent.unsigned_abs() as usize;
+        if !exact || power >= POWERS.len() || text.get(k).is_some_and(|&c| !ends_word(c)) {
+            return Some(self.slow(start));
         }
-        let ends = text
-            .get(k)
-            .is_none_or(|c| matches!(c, b' ' | b'\t' | b'\r' | b'\n' | b',' | b'{' | b'}' | b'<'));
-        if ends && digits > 0 && digits <= 15 {
-            self.at = start + k;
-            let value = mantissa as f64 / POWERS[scale];
-            return Some(Ok(if text[0] == b'-' { -value } else { value }));
-        }
-        Some(self.slow(start))
+        self.at = start + k;
+        let size = mantissa as f64;
+        let value = if exponent < 0 {
+            size / POWERS[power]
+        } else {
+            size * POWERS[power]
+        };
+        Some(Ok(if text[0] == b'-' { -value } else { value }))
     }
 
     fn slow(&mut self, start: usize) -> Result<f64> {
         let text = &self.text[start..];
-        let end = text
-            .iter()
-            .position(|c| matches!(c, b' ' | b'\t' | b'\r' | b'\n' | b',' | b'{' | b'}' | b'<'))
-            .unwrap_or(text.len());
+        let end = text.iter().position(|&c| ends_word(c)).unwrap_or(text.len());
         let word = String::from_utf8_lossy(&text[..end.min(40)]);
         match std::str::from_utf8(&text[..end])
             .ok()
@@ -99,6 +102,44 @@ impl<'a> Numbers<'a> {
             )),
         }
     }
+}
+
+/// Whether a number cannot go on with this character.
+fn ends_word(c: u8) -> bool {
+    matches!(c, b' ' | b'\t' | b'\r' | b'\n' | b',' | b'{' | b'}' | b'<')
+}
+
+/// Appends the digits that stand at `k` to `mantissa`; how many there are.
+fn digits(text: &[u8], k: &mut usize, mantissa: &mut u64) -> usize {
+    let first = *k;
+    while let Some(&c) = text.get(*k) {
+        let digit = c.wrapping_sub(b'0');
+        if digit > 9 {
+            break;
+        }
+        *mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
+        *k += 1;
+    }
+    *k - first
+}
+
+/// Adds the exponent that stands at `k`, if one does; whether it is well formed and not huge.
+fn exponential(text: &[u8], k: &mut usize, exponent: &mut i64) -> bool {
+    if !matches!(text.get(*k), Some(b'e' | b'E')) {
+        return true;
+    }
+    *k += 1;
+    let negative = match text.get(*k) {
+        Some(sign @ (b'-' | b'+')) => {
+            *k += 1;
+            *sign == b'-'
+        }
+        _ => false,
+    };
+    let mut size = 0;
+    let count = digits(text, k, &mut size);
+    *exponent += if negative { -(size as i64) } else { size as i64 };
+    (1..=3).contains(&count)
 }
 
 #[cfg(test)]
@@ -124,7 +165,14 @@ mod tests {
     fn digits_agree_with_the_standard_parser() {
         for k in 0..20_000_u64 {
             let x = crate::sequence::uniform(1, k) * 10_f64.powi((k % 30) as i32 - 15);
-            for text in [format!("{x:.6}"), format!("{x:e}"), format!("{x:.15}"), format!("{x}")] {
+            for text in [
+                format!("{x:.6}"),
+                format!("{x:e}"),
+                format!("{x:.6e}"),
+                format!("{x:.3E}"),
+                format!("{x:.15}"),
+                format!("{x}"),
+            ] {
                 assert_eq!(all(&text).unwrap(), [text.parse::<f64>().unwrap()], "{text}");
             }
         }

@@ -27,9 +27,16 @@ pub fn parse(rank: Rank, text: &[u8]) -> Result<(Tree, Clamped)> {
         entries: Vec::new(),
         grid: Vec::new(),
         open: Vec::new(),
+        depth: 0,
     };
     let root = parser.root()?;
-    Ok((Tree::from_entries(rank, root, parser.entries)?, parser.clamped))
+    let tree = Tree {
+        rank,
+        root,
+        entries: parser.entries,
+        depth: parser.depth,
+    };
+    Ok((tree, parser.clamped))
 }
 
 struct Parser<'a> {
@@ -41,6 +48,8 @@ struct Parser<'a> {
     grid: Vec<f32>,
     /// Branches that are not closed yet: first entry, children read so far.
     open: Vec<(usize, usize)>,
+    /// Deepest level so far.
+    depth: u32,
 }
 
 impl Parser<'_> {
@@ -207,9 +216,11 @@ impl Parser<'_> {
                 ),
             ));
         }
-        if self.open.len() as u32 + levels > MAX_DEPTH {
+        let depth = self.open.len() as u32 + levels;
+        if depth > MAX_DEPTH {
             return Err(self.too_deep());
         }
+        self.depth = self.depth.max(depth);
         Ok(self.store_cells(0, levels, levels))
     }
 
