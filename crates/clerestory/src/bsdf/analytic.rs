@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use super::{Estimate, Part, Peak, Sample, Scatterer};
+use super::{Estimate, Part, Peak, Sample, Scatterer, Slab};
 use crate::basis::Basis;
-use crate::direction::Disk;
+use crate::direction::{Disk, Scatter};
 use crate::error::{Error, Result};
 
 /// Ideal diffuser (Lambert): the same BSDF for all directions. Energy-conserving and reciprocal for values up to 1.
@@ -65,8 +65,11 @@ impl Scatterer for Lambertian {
 pub enum Specular {
     /// The same for all directions.
     Constant(f64),
-    /// By polar angle: values at equal steps of sin²θ from 0 to 1, linear between them.
+    /// By polar angle: values at equal steps of sin²θ from 0 to 1, linear between them. Poor for glass near grazing
+    /// incidence, where its values go with cosθ: [`Specular::Pane`] is exact.
     Angular(Vec<f64>),
+    /// Clear uncoated pane.
+    Pane(Slab, Scatter),
     /// By incident patch.
     Patches {
         /// Where the values hold.
@@ -115,6 +118,7 @@ impl Specular {
                 let t = x - k as f64;
                 values[k] * (1.0 - t) + values[k + 1] * t
             }
+            Self::Pane(slab, scatter) => slab.value(incident, *scatter),
             Self::Patches { basis, values } => values[basis.patch_of(incident)],
         }
     }

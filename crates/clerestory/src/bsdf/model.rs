@@ -101,20 +101,22 @@ impl Model {
             Self::Matrix(m) => Self::Matrix(m.scaled(|_| factor)),
             Self::Tree(t) => Self::Tree(t.scaled(factor)?),
             Self::Lambertian(l) => Self::Lambertian(Lambertian::new(l.value() * factor)?),
-            Self::Specular(s) => Self::Specular(match s {
-                Specular::Constant(v) => Specular::Constant(v * factor),
-                Specular::Angular(v) => Specular::Angular(v.iter().map(|v| v * factor).collect()),
-                Specular::Patches { basis, values } => Specular::Patches {
-                    basis: basis.clone(),
-                    values: values.iter().map(|v| v * factor).collect(),
-                },
+            Self::Specular(Specular::Constant(v)) => Self::Specular(Specular::Constant(v * factor)),
+            Self::Specular(Specular::Angular(v)) => {
+                Self::Specular(Specular::Angular(v.iter().map(|v| v * factor).collect()))
+            }
+            Self::Specular(Specular::Patches { basis, values }) => Self::Specular(Specular::Patches {
+                basis: basis.clone(),
+                values: values.iter().map(|v| v * factor).collect(),
             }),
+            Self::Specular(Specular::Pane(..)) | Self::Separated(_) => {
+                Self::Sum(Sum::new(vec![(factor, Arc::new(self.clone()))])?)
+            }
             Self::Sum(s) => Self::Sum(Sum::new(
                 s.parts().iter().map(|(w, m)| (w * factor, m.clone())).collect(),
             )?),
             Self::Turned(t) => Self::Turned(Turned::new(Arc::new(t.base().scaled(factor)?), t.turn())),
             Self::Reversed(r) => Self::Reversed(Reversed::new(Arc::new(r.base().scaled(factor)?))),
-            Self::Separated(_) => Self::Sum(Sum::new(vec![(factor, Arc::new(self.clone()))])?),
         })
     }
 
@@ -127,7 +129,9 @@ impl Model {
         let exact = match self {
             Self::Matrix(m) => turn_matrix(m, turn).map(Self::Matrix),
             Self::Tree(t) => t.turned(turn).map(Self::Tree),
-            Self::Lambertian(_) | Self::Specular(Specular::Constant(_) | Specular::Angular(_)) => Some(self.clone()),
+            Self::Lambertian(_) | Self::Specular(Specular::Constant(_) | Specular::Angular(_) | Specular::Pane(..)) => {
+                Some(self.clone())
+            }
             Self::Turned(t) => Some(t.base().turned(turn.after(t.turn()))),
             Self::Sum(s) => Sum::new(s.parts().iter().map(|(w, m)| (*w, Arc::new(m.turned(turn)))).collect())
                 .ok()
@@ -144,7 +148,9 @@ impl Model {
         let exact = match self {
             Self::Matrix(m) => m.reversed().map(Self::Matrix),
             Self::Tree(t) => t.reversed().map(Self::Tree),
-            Self::Lambertian(_) | Self::Specular(Specular::Constant(_) | Specular::Angular(_)) => Some(self.clone()),
+            Self::Lambertian(_) | Self::Specular(Specular::Constant(_) | Specular::Angular(_) | Specular::Pane(..)) => {
+                Some(self.clone())
+            }
             Self::Specular(Specular::Patches { basis, values }) => (0..basis.len())
                 .map(|p| basis.reversed(p).map(|q| values[q]))
                 .collect::<Option<Vec<_>>>()
