@@ -9,14 +9,20 @@
 //! where bit k of n is set. An entry is a value (the bits of a float that is not negative) or, with the highest bit set,
 //! the number of a block.
 
+mod code;
+mod sampling;
+#[cfg(test)]
+mod testing;
 mod text;
 
 use std::f64::consts::PI;
+use std::sync::{Arc, OnceLock};
 
+use super::Turn;
 use super::separated::{Cell, Tabular};
-use super::{Estimate, Part, Peak, Sample, Scatterer, Turn};
 use crate::direction::Disk;
 use crate::error::{Error, Result};
+use sampling::Slices;
 
 pub use text::{Clamped, parse};
 
@@ -25,6 +31,9 @@ const BRANCH: u32 = 1 << 31;
 
 /// Deepest tree: 2^16 cells an axis.
 pub const MAX_DEPTH: u32 = 16;
+
+/// Most blocks; at 4 bytes an entry memory ends earlier.
+const MAX_BLOCKS: usize = 1 << 29;
 
 /// Isotropic or anisotropic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -56,13 +65,22 @@ impl Rank {
 }
 
 /// A tensor tree.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Tree {
     rank: Rank,
     /// The root's entry, then blocks.
     root: u32,
     entries: Vec<u32>,
     depth: u32,
+    /// Made when first needed.
+    slices: OnceLock<Arc<Slices>>,
+}
+
+/// The same cells with the same values, in whatever order they are stored.
+impl PartialEq for Tree {
+    fn eq(&self, other: &Self) -> bool {
+        self.rank == other.rank && self.same(self.root, other, other.root)
+    }
 }
 
 impl Tree {
@@ -73,14 +91,35 @@ impl Tree {
 
     /// From the root's entry and the blocks that it leads to.
     pub fn from_entries(rank: Rank, root: u32, entries: Vec<u32>) -> Result<Self> {
-        let mut tree = Self {
+        let mut tree = Self::assembled(rank, root, entries, 0);
+        tree.depth = tree.check()?;
+        Ok(tree)
+    }
+
+    /// From parts that are known to be sound.
+    fn assembled(rank: Rank, root: u32, entries: Vec<u32>, depth: u32) -> Self {
+        Self {
             rank,
             root,
             entries,
-            depth: 0,
-        };
-        tree.depth = tree.check()?;
-        Ok(tree)
+            depth,
+            slices: OnceLock::new(),
+        }
+    }
+
+    fn slices(&self) -> &Slices {
+        self.slices.get_or_init(|| Arc::new(Slices::new(self)))
+    }
+
+    fn same(&self, entry: u32, other: &Self, theirs: u32) -> bool {
+        match (decode(entry), decode(theirs)) {
+            (Entry::Block(a), Entry::Block(b)) => {
+                let mut pairs = self.block(a).iter().zip(other.block(b));
+                pairs.all(|(&a, &b)| self.same(a, other, b))
+            }
+            (Entry::Value(a), Entry::Value(b)) => a == b,
+            _ => false,
+        }
     }
 
     /// Depth, after making sure that every block is used once and all values are sound.
@@ -88,7 +127,7 @@ impl Tree {
         let size = self.rank.children();
         let blocks = self.entries.len() / size;
         let broken = || Error::Argument("the tensor tree's blocks do not form a tree".into());
-        if !self.entries.len().is_multiple_of(size) || blocks >= BRANCH as usize {
+        if !self.entries.len().is_multiple_of(size) || blocks > MAX_BLOCKS {
             return Err(broken());
         }
         let mut seen = 0;
@@ -142,49 +181,24 @@ impl Tree {
         &self.entries[block * size..(block + 1) * size]
     }
 
-    /// Tree coordinates of a pair of directions.
-    pub fn coordinates(&self, incident: Disk, outgoing: Disk) -> [f64; 4] {
+    /// Value of a code: that of an incident joined with that of an outgoing direction.
+    pub fn value_at(&self, code: u64) -> f32 {
         match self.rank {
-            Rank::Anisotropic => {
-                let (i, o) = (incident.to_square(), outgoing.to_square());
-                [i[0], i[1], o[0], o[1]]
-            }
-            Rank::Isotropic => {
-                let r = incident.x.hypot(incident.y);
-                let (sin, cos) = if r > 0.0 {
-                    (-incident.y / r, incident.x / r)
-                } else {
-                    (0.0, 1.0)
-                };
-                let o = outgoing.turned(sin, cos).to_square();
-                // Normal incidence stays below the unused half.
-                [(0.5 - 0.5 * r).min(0.5 - 5e-7), o[0], o[1], 0.0]
-            }
+            Rank::Isotropic => self.walk::<3>(code).0,
+            Rank::Anisotropic => self.walk::<4>(code).0,
         }
     }
 
-    /// Walks to the leaf of tree coordinates: the entry's place in the storage, value and depth.
-    fn find(&self, mut x: [f64; 4]) -> (usize, f32, u32) {
-        let axes = self.rank.axes() as usize;
-        let (mut entry, mut place, mut depth) = (self.root, usize::MAX, 0);
-        loop {
-            match decode(entry) {
-                Entry::Value(value) => return (place, value, depth),
-                Entry::Block(block) => {
-                    let mut child = 0;
-                    for (axis, c) in x[..axes].iter_mut().enumerate() {
-                        *c *= 2.0;
-                        if *c >= 1.0 {
-                            *c -= 1.0;
-                            child |= 1 << axis;
-                        }
-                    }
-                    place = block * self.rank.children() + child;
-                    entry = self.entries[place];
-                    depth += 1;
-                }
-            }
+    /// Walks to the leaf of a code: value, place in the storage, depth.
+    fn walk<const AXES: u32>(&self, code: u64) -> (f32, usize, u32) {
+        let (mut entry, mut place, mut shift) = (self.root, usize::MAX, AXES * MAX_DEPTH);
+        while entry & BRANCH != 0 {
+            shift -= AXES;
+            let child = (code >> shift) as usize & ((1 << AXES) - 1);
+            place = ((entry & !BRANCH) as usize) << AXES | child;
+            entry = self.entries[place];
         }
+        (f32::from_bits(entry), place, MAX_DEPTH - shift / AXES)
     }
 
     /// All values multiplied by a factor of 0 or more.
@@ -252,67 +266,8 @@ impl Tree {
             .chunks_exact(size)
             .flat_map(|block| order.iter().map(|&n| block[n]))
             .collect();
-        Self {
-            entries,
-            ..self.clone()
-        }
+        Self::assembled(self.rank, self.root, entries, self.depth)
     }
-
-    /// Outgoing cells for one incident direction, in the tree's frame: corner and edge in the square, value, place.
-    fn slice(&self, incident: Disk) -> Vec<SliceCell> {
-        let axes = self.rank.incident_axes();
-        let x = self.coordinates(incident, Disk::NORMAL);
-        let mut cells = Vec::new();
-        let mut stack = vec![(self.root, usize::MAX, [0.0, 0.0], 1.0, [x[0], x[1]])];
-        while let Some((entry, place, corner, edge, at)) = stack.pop() {
-            match decode(entry) {
-                Entry::Value(value) => cells.push(SliceCell {
-                    corner,
-                    edge,
-                    value: f64::from(value),
-                    place,
-                }),
-                Entry::Block(block) => {
-                    let mut below = 0;
-                    let mut next = at;
-                    for axis in 0..axes as usize {
-                        next[axis] *= 2.0;
-                        if next[axis] >= 1.0 {
-                            next[axis] -= 1.0;
-                            below |= 1 << axis;
-                        }
-                    }
-                    let half = edge / 2.0;
-                    for out in 0..4 {
-                        let child = block * self.rank.children() + (below | out << axes);
-                        let corner = [
-                            corner[0] + half * (out & 1) as f64,
-                            corner[1] + half * (out >> 1) as f64,
-                        ];
-                        stack.push((self.entries[child], child, corner, half, next));
-                    }
-                }
-            }
-        }
-        cells
-    }
-
-    /// From the tree's frame to the sample's.
-    fn unturn(&self, incident: Disk, outgoing: Disk) -> Disk {
-        let r = incident.x.hypot(incident.y);
-        if self.rank == Rank::Anisotropic || r == 0.0 {
-            return outgoing;
-        }
-        outgoing.turned(incident.y / r, incident.x / r)
-    }
-}
-
-/// An outgoing cell of a tree.
-struct SliceCell {
-    corner: [f64; 2],
-    edge: f64,
-    value: f64,
-    place: usize,
 }
 
 /// What an entry of the storage means.
@@ -340,65 +295,13 @@ fn encode(value: f32) -> Result<u32> {
     }
 }
 
-impl Scatterer for Tree {
-    fn evaluate(&self, incident: Disk, outgoing: Disk) -> f64 {
-        f64::from(self.find(self.coordinates(incident, outgoing)).1)
-    }
-
-    fn peaks(&self, _: Disk) -> Vec<Peak> {
-        Vec::new()
-    }
-
-    fn sample(&self, incident: Disk, u: [f64; 2]) -> Option<Sample> {
-        let cells = self.slice(incident);
-        let flux = |c: &SliceCell| c.value * c.edge * c.edge * PI;
-        let total: f64 = cells.iter().map(flux).sum();
-        let mut target = u[0] * total;
-        let mut chosen = None;
-        for cell in &cells {
-            let flux = flux(cell);
-            if flux > 0.0 {
-                chosen = Some((cell, (target / flux).clamp(0.0, 1.0 - f64::EPSILON)));
-                if target < flux {
-                    break;
-                }
-            }
-            target -= flux;
-        }
-        let (cell, inner) = chosen?;
-        let square = [cell.corner[0] + cell.edge * inner, cell.corner[1] + cell.edge * u[1]];
-        Some(Sample {
-            outgoing: self.unturn(incident, Disk::from_square(square)),
-            weight: total,
-            peak: false,
-        })
-    }
-
-    fn pdf(&self, incident: Disk, outgoing: Disk) -> f64 {
-        let total = self.total(incident, Part::All).value;
-        if total <= 0.0 {
-            return 0.0;
-        }
-        self.evaluate(incident, outgoing) * outgoing.cos_theta() / total
-    }
-
-    fn total(&self, incident: Disk, part: Part) -> Estimate {
-        if part == Part::Direct {
-            return 0.0.into();
-        }
-        let sum: f64 = self.slice(incident).iter().map(|c| c.value * c.edge * c.edge).sum();
-        (PI * sum).into()
-    }
-
-    fn resolution(&self, incident: Disk) -> f64 {
-        let edge = self.slice(incident).iter().map(|c| c.edge).fold(1.0, f64::min);
-        2.0 * edge
-    }
-}
-
 impl Tabular for Tree {
     fn cell(&self, incident: Disk, outgoing: Disk) -> Cell {
-        let (place, value, depth) = self.find(self.coordinates(incident, outgoing));
+        let code = self.rank.code(incident, outgoing);
+        let (value, place, depth) = match self.rank {
+            Rank::Isotropic => self.walk::<3>(code),
+            Rank::Anisotropic => self.walk::<4>(code),
+        };
         Cell {
             id: place as u64,
             value: f64::from(value),
@@ -419,5 +322,117 @@ impl Tabular for Tree {
             })
             .fold(f64::INFINITY, f64::min);
         if least > 1.5 / PI { 0.0 } else { least }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use super::testing::{Stream, random};
+    use super::*;
+    use crate::bsdf::Scatterer;
+
+    const RANKS: [Rank; 2] = [Rank::Isotropic, Rank::Anisotropic];
+
+    #[test]
+    fn turned_trees_are_looked_up_as_their_originals_are_before_the_turn() {
+        for rank in RANKS {
+            let tree = random(rank, 4, 1);
+            let mut stream = Stream::new(2);
+            for quarters in -1..5 {
+                for mirror in [false, true] {
+                    let turn = Turn::new(f64::from(quarters) * FRAC_PI_2, mirror);
+                    let turned = tree.turned(turn).unwrap();
+                    for _ in 0..300 {
+                        let (i, o) = (stream.disk(), stream.disk());
+                        assert_eq!(
+                            turned.evaluate(turn.apply(i), turn.apply(o)),
+                            tree.evaluate(i, o),
+                            "{rank:?} {turn:?} {i:?} {o:?}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn only_isotropic_trees_turn_by_any_angle() {
+        let turn = Turn::new(0.3, true);
+        assert!(random(Rank::Anisotropic, 2, 1).turned(turn).is_none());
+        let tree = random(Rank::Isotropic, 4, 1);
+        let turned = tree.turned(turn).unwrap();
+        let mut stream = Stream::new(3);
+        for _ in 0..300 {
+            let (i, o) = (stream.disk(), stream.disk());
+            assert_eq!(turned.evaluate(turn.apply(i), turn.apply(o)), tree.evaluate(i, o));
+        }
+    }
+
+    #[test]
+    fn reversed_trees_swap_the_directions() {
+        let tree = random(Rank::Anisotropic, 4, 4);
+        let reversed = tree.reversed().unwrap();
+        let mut stream = Stream::new(5);
+        for _ in 0..1000 {
+            let (i, o) = (stream.disk(), stream.disk());
+            assert_eq!(reversed.evaluate(o.reversed(), i.reversed()), tree.evaluate(i, o));
+        }
+        assert_eq!(reversed.reversed().unwrap(), tree);
+        assert!(random(Rank::Isotropic, 2, 4).reversed().is_none());
+    }
+
+    #[test]
+    fn scaled_values_are_multiplied() {
+        let tree = random(Rank::Anisotropic, 3, 4);
+        let twice = tree.scaled(2.0).unwrap();
+        let mut stream = Stream::new(6);
+        for _ in 0..100 {
+            let (i, o) = (stream.disk(), stream.disk());
+            assert_eq!(twice.evaluate(i, o), 2.0 * tree.evaluate(i, o));
+            let (total, base) = (
+                twice.total(i, super::super::Part::All),
+                tree.total(i, super::super::Part::All),
+            );
+            assert!((total.value - 2.0 * base.value).abs() < 1e-12 * total.value);
+        }
+        assert!(tree.scaled(f64::INFINITY).is_err());
+    }
+
+    #[test]
+    fn cells_tell_their_area_and_their_place() {
+        let tree = random(Rank::Anisotropic, 3, 8);
+        let mut stream = Stream::new(9);
+        for _ in 0..200 {
+            let (i, o) = (stream.disk(), stream.disk());
+            let cell = tree.cell(i, o);
+            assert_eq!(cell.value, tree.evaluate(i, o));
+            assert_eq!(f64::from(f32::from_bits(tree.entries()[cell.id as usize])), cell.value);
+            assert!(cell.area >= tree.smallest_area() && cell.area <= PI / 4.0);
+        }
+    }
+
+    #[test]
+    fn blocks_that_form_no_tree_are_refused() {
+        let values = |n: usize| vec![1.0_f32.to_bits(); n];
+        let with = |place: usize, entry: u32, n: usize| {
+            let mut entries = values(n);
+            entries[place] = entry;
+            entries
+        };
+        for (root, entries) in [
+            (BRANCH, values(7)),
+            (BRANCH, values(16)),
+            (BRANCH | 1, values(8)),
+            (BRANCH, with(3, BRANCH, 8)),
+            (BRANCH, with(3, BRANCH | 5, 8)),
+            (1.0_f32.to_bits(), values(8)),
+            (BRANCH, with(0, f32::NAN.to_bits(), 8)),
+            (f32::INFINITY.to_bits(), Vec::new()),
+        ] {
+            assert!(Tree::from_entries(Rank::Isotropic, root, entries).is_err());
+        }
+        assert!(Tree::constant(Rank::Isotropic, -1.0).is_err());
     }
 }

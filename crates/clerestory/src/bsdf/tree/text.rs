@@ -30,12 +30,7 @@ pub fn parse(rank: Rank, text: &[u8]) -> Result<(Tree, Clamped)> {
         depth: 0,
     };
     let root = parser.root()?;
-    let tree = Tree {
-        rank,
-        root,
-        entries: parser.entries,
-        depth: parser.depth,
-    };
+    let tree = Tree::assembled(rank, root, parser.entries, parser.depth);
     Ok((tree, parser.clamped))
 }
 
