@@ -132,6 +132,16 @@ class Bsdf:
         """What was faulty or surprising in the file that it came from."""
         return self._core.warnings
 
+    def __repr__(self) -> str:
+        from clerestory.describe import as_text
+
+        return as_text(self)
+
+    def _repr_html_(self) -> str:
+        from clerestory.describe import as_html
+
+        return as_html(self)
+
     def model(self, side: Side, scatter: Scatter, band: str | None = None) -> tuple[Model, bool]:
         """The model of a component, and whether it was answered by reciprocity.
 
