@@ -101,7 +101,7 @@ def outgoing_in_words(outgoing: ArrayLike) -> str:
 
 
 def _in_words(direction: ArrayLike, sectors: tuple[str, ...]) -> str:
-    """The nearest of eight sectors and the polar angle; the azimuth too where the sector alone would mislead."""
+    """The nearest of eight sectors and the polar angle; the azimuth too where the sector would mislead."""
     theta, phi = (round(float(a), 1) for a in angles(direction))
     if theta < 0.1:
         return "along the normal"
