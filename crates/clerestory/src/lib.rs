@@ -12,6 +12,7 @@ pub mod bsdf;
 pub mod direction;
 pub mod error;
 pub mod io;
+pub mod progress;
 pub mod sequence;
 
 pub use error::{Error, Result};

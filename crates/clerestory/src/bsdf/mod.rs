@@ -8,6 +8,7 @@
 //! * From any model to a table: [`convert`].
 
 pub mod analytic;
+pub mod convert;
 mod data;
 mod matrix;
 mod metadata;

@@ -1,0 +1,54 @@
+//! Conversion of whole data sets, component by component.
+
+use std::sync::Arc;
+
+use super::{Sampling, to_matrix};
+use crate::basis::Basis;
+use crate::bsdf::{Bsdf, Model};
+use crate::direction::{Scatter, Side};
+use crate::error::Result;
+use crate::progress::Progress;
+
+/// What the conversion of one component did.
+#[derive(Debug, Clone)]
+pub struct Report {
+    /// Name of the band.
+    pub band: String,
+    /// Side of incidence.
+    pub side: Side,
+    /// Transmission or reflection.
+    pub scatter: Scatter,
+    /// Kind of the source's model.
+    pub source: &'static str,
+    /// Samples a cell; 0 where the result is exact.
+    pub samples: u32,
+    /// Estimated sampling error of the values: RMS over the mean.
+    pub rms_error: f64,
+    /// Largest difference of direct-hemispherical values to the source, where the source tells them.
+    pub worst_direct_hemispherical: Option<f64>,
+}
+
+/// Every component of a data set as a matrix.
+pub fn all_to_matrix(
+    bsdf: &Bsdf,
+    incident: &Arc<Basis>,
+    outgoing: &Arc<Basis>,
+    sampling: Sampling,
+    progress: &Progress,
+) -> Result<(Bsdf, Vec<Report>)> {
+    let mut reports = Vec::new();
+    let result = bsdf.try_map(|band, side, scatter, model| {
+        let conversion = to_matrix(model, incident, outgoing, sampling, progress)?;
+        reports.push(Report {
+            band: band.to_owned(),
+            side,
+            scatter,
+            source: model.kind(),
+            samples: conversion.samples,
+            rms_error: conversion.rms_error,
+            worst_direct_hemispherical: conversion.worst_direct_hemispherical,
+        });
+        Ok(Model::Matrix(conversion.matrix))
+    })?;
+    Ok((result, reports))
+}
