@@ -3,6 +3,7 @@
 Directions are arrays (n, 3), points of the disk of travel arrays (n, 2); angles are radians.
 """
 
+from collections.abc import Callable
 from typing import TypeAlias
 
 import numpy as np
@@ -14,6 +15,7 @@ _Floats: TypeAlias = NDArray[np.float64]
 _Indices: TypeAlias = NDArray[np.int64]
 _Flags: TypeAlias = NDArray[np.bool_]
 _Region: TypeAlias = tuple[tuple[float, float], float, float] | tuple[Basis, list[int]]
+_Report: TypeAlias = tuple[str, Side, Scatter, str, int, float, float | None]
 _Triple: TypeAlias = tuple[float, float, float]
 
 __version__: str
@@ -71,6 +73,15 @@ class Bsdf:
     def turned(self, angle: float, mirror: bool) -> Bsdf: ...
     @staticmethod
     def merged(sets: list[Bsdf]) -> Bsdf: ...
+    def to_matrix(
+        self,
+        incident: Basis,
+        outgoing: Basis,
+        samples: int,
+        seed: int,
+        progress: Callable[[float], object] | None,
+    ) -> tuple[Bsdf, list[_Report]]: ...
+    def with_bands(self, names: list[str]) -> Bsdf: ...
 
 class Model:
     @staticmethod

@@ -9,6 +9,7 @@ import numpy as np
 
 from clerestory import _core
 from clerestory.basis import Basis
+from clerestory.convert import Operations
 from clerestory.model import Model
 
 if TYPE_CHECKING:
@@ -72,16 +73,13 @@ class Peak:
     """Full angular width [°]; 0 for an ideal beam."""
 
 
-class Bsdf:
+class Bsdf(Operations):
     """How a sample scatters light: bands, both sides, transmission and reflection.
 
     Directions are unit vectors pointing away from the sample, in the frame of `clerestory.directions`. The side of
     the incident direction chooses the side; the sides of both choose transmission or reflection. A missing
     transmission side is answered by reciprocity.
     """
-
-    def __init__(self, core: _core.Bsdf) -> None:
-        self._core = core
 
     @classmethod
     def from_models(

@@ -3,7 +3,9 @@
 mod arrays;
 mod basis;
 mod bsdf;
+mod convert;
 mod errors;
+mod jobs;
 mod model;
 
 use pyo3::prelude::*;

@@ -119,6 +119,17 @@ impl Bsdf {
         }
     }
 
+    /// Only the bands that are named, in that order.
+    pub fn with_bands(&self, names: &[String]) -> Result<Self> {
+        let bands = names
+            .iter()
+            .map(|name| self.band(Some(name)).cloned())
+            .collect::<Result<_>>()?;
+        let mut result = Self::new(bands, self.metadata.clone())?;
+        result.warnings.clone_from(&self.warnings);
+        Ok(result)
+    }
+
     /// A component. A missing transmission side is answered by reciprocity; a missing reflection is an error.
     pub fn component(&self, band: Option<&str>, side: Side, scatter: Scatter) -> Result<Outcome> {
         let band = self.band(band)?;

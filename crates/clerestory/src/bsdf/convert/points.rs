@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::Sampling;
 use crate::basis::Basis;
 use crate::direction::Disk;
@@ -36,14 +38,14 @@ impl Points {
             .seed
             .wrapping_mul(2)
             .wrapping_add(u64::from(role == Role::Outgoing));
-        let mut disks = Vec::with_capacity(basis.len() * sampling.samples as usize);
-        for patch in 0..basis.len() {
+        let patch_points = |patch: usize| {
             let shift = std::array::from_fn(|d| uniform(seed, 4 * patch as u64 + d as u64));
-            disks.extend((0..sampling.samples).map(|k| {
+            (0..sampling.samples).map(move |k| {
                 let u = r4(k, shift);
                 basis.sample_cosine(patch, [u[first], u[first + 1]])
-            }));
-        }
+            })
+        };
+        let disks = (0..basis.len()).into_par_iter().flat_map_iter(patch_points).collect();
         Self {
             basis: basis.clone(),
             count: sampling.samples as usize,
