@@ -4,7 +4,6 @@ use rayon::prelude::*;
 
 use super::overlap::shares;
 use super::points::Points;
-use super::walk::{Isotropic, anisotropic_codes, walk};
 use crate::bsdf::{Matrix, Model, Part, Rank, Scatterer, Specular, Tree, Turn};
 use crate::direction::Disk;
 use crate::error::Result;
@@ -120,15 +119,24 @@ fn of_anisotropic_tree(
     outgoing: &Points,
     progress: &Progress,
 ) -> Result<Means> {
-    let codes_in = anisotropic_codes(incident.all(), turn, 0);
-    let codes_out = anisotropic_codes(outgoing.all(), turn, 2);
+    let (back, rank) = (turn.inverse(), tree.rank());
+    let codes_in: Vec<u64> = incident
+        .all()
+        .iter()
+        .map(|&p| rank.incident_code(back.apply(p)))
+        .collect();
+    let codes_out: Vec<u64> = outgoing
+        .all()
+        .iter()
+        .map(|&p| rank.outgoing_code(back.apply(p)))
+        .collect();
     let n = incident.count;
     rows(incident, outgoing, progress, |i, halves| {
         let from = &codes_in[i * n..(i + 1) * n];
         for (o, to) in codes_out.chunks_exact(n).enumerate() {
             let mut sums = [0.0; 2];
             for (k, (a, b)) in from.iter().zip(to).enumerate() {
-                sums[k & 1] += f64::from(walk::<4>(tree, a | b));
+                sums[k & 1] += f64::from(tree.value_at(a | b));
             }
             halves[0][o] = sums[0];
             halves[1][o] = sums[1];
@@ -144,10 +152,9 @@ fn of_isotropic_tree(
     outgoing: &Points,
     progress: &Progress,
 ) -> Result<Means> {
-    let (from, to) = (
-        Isotropic::new(incident.all(), turn),
-        Isotropic::new(outgoing.all(), turn),
-    );
+    let back = turn.inverse();
+    let apply = |points: &Points| -> Vec<Disk> { points.all().iter().map(|&p| back.apply(p)).collect() };
+    let (from, to) = (apply(incident), apply(outgoing));
     let (n_out, n) = (outgoing.basis.len(), incident.count);
     let rings_out = outgoing.basis.rings();
     // How many cells of an incident ring are sampled for each outgoing ring: the rest are turned into them.
@@ -166,7 +173,7 @@ fn of_isotropic_tree(
                 let o = first + cell;
                 let mut sums = [0.0; 2];
                 for k in 0..n {
-                    sums[k & 1] += f64::from(walk::<3>(tree, from.code(i * n + k, &to, o * n + k)));
+                    sums[k & 1] += tree.evaluate(from[i * n + k], to[o * n + k]);
                 }
                 halves[0][o] = sums[0];
                 halves[1][o] = sums[1];

@@ -100,7 +100,7 @@ fn rms_error(even: &[f64], odd: &[f64], incident: &Basis, outgoing: &Basis) -> f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bsdf::convert::walk::tests::bushy;
+    use crate::bsdf::convert::testing::bushy;
     use crate::bsdf::{Lambertian, Part, Rank, Reversed, Scatterer, Separated, Specular, Sum, Turned};
     use crate::sequence::uniform;
 

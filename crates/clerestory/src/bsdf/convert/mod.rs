@@ -7,7 +7,8 @@ mod kernel;
 mod matrix;
 mod overlap;
 mod points;
-mod walk;
+#[cfg(test)]
+mod testing;
 
 pub use dataset::{Report, all_to_matrix};
 pub use matrix::{Conversion, to_matrix};
