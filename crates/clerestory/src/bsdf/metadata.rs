@@ -65,16 +65,19 @@ impl Metadata {
     pub fn material_length_m(&self, field: &str) -> Option<f64> {
         let element = self.material.as_ref()?.child(field)?;
         let value: f64 = element.text.parse().ok()?;
-        let unit = element.attribute("unit").unwrap_or("meter").to_ascii_lowercase();
-        let metres = match unit.as_str() {
-            "meter" => 1.0,
-            "centimeter" => 0.01,
-            "millimeter" => 0.001,
-            "inch" => 0.0254,
-            "foot" => 0.3048,
-            _ => return None,
-        };
-        Some(value * metres)
+        Some(value * Self::metres_in(element.attribute("unit").unwrap_or("meter"))?)
+    }
+
+    /// Length of a unit by the name that files give it, in any case.
+    pub fn metres_in(unit: &str) -> Option<f64> {
+        match unit.trim().to_ascii_lowercase().as_str() {
+            "meter" => Some(1.0),
+            "centimeter" => Some(0.01),
+            "millimeter" => Some(0.001),
+            "inch" => Some(0.0254),
+            "foot" => Some(0.3048),
+            _ => None,
+        }
     }
 
     /// Sets a `<Material>` field, replacing its text.

@@ -1,3 +1,5 @@
 //! Files of the field, read from bytes and written to bytes.
 
+pub mod gzip;
 pub mod number;
+pub mod xml;

@@ -1,0 +1,256 @@
+//! Angle bases of a file: those that it lists, those that it only names, and what the count of values says.
+
+use std::sync::Arc;
+
+use super::metadata::Decoder;
+use super::place;
+use super::scan::{Node, shortened};
+use crate::basis::{Basis, Ring};
+use crate::error::{Error, Result};
+
+/// Bases that WINDOW and Radiance know by name.
+fn standard() -> [Basis; 3] {
+    [Basis::klems_full(), Basis::klems_half(), Basis::klems_quarter()]
+}
+
+/// A basis that a block names.
+#[derive(Debug, Clone)]
+pub(super) enum Choice {
+    /// Listed in the file.
+    Listed {
+        basis: Arc<Basis>,
+        /// The standard basis of that name, if the listing differs from it.
+        instead_of: Option<Arc<Basis>>,
+    },
+    /// Only named, but known.
+    Named(Arc<Basis>),
+    /// Neither.
+    Unknown(String),
+}
+
+impl Choice {
+    fn basis(&self) -> Option<&Arc<Basis>> {
+        match self {
+            Self::Listed { basis, .. } | Self::Named(basis) => Some(basis),
+            Self::Unknown(_) => None,
+        }
+    }
+
+    /// Whether another standard basis may stand in for it when the count of values says so.
+    fn may_be_another(&self) -> bool {
+        match self {
+            Self::Listed { instead_of, .. } => instead_of.is_some(),
+            Self::Named(_) | Self::Unknown(_) => true,
+        }
+    }
+
+    fn words(&self) -> String {
+        match self {
+            Self::Listed { basis, .. } => format!("{:?} ({} patches as listed)", basis.name(), basis.len()),
+            Self::Named(basis) => format!("{:?} ({} patches)", basis.name(), basis.len()),
+            Self::Unknown(name) if name.is_empty() => "an angle basis without a name".to_owned(),
+            Self::Unknown(name) => format!("{}, which is not known", shortened(name)),
+        }
+    }
+}
+
+/// All bases of a file.
+pub(super) struct Bases {
+    listed: Vec<(String, Choice)>,
+    /// Names in `<DataDefinition>`, with or without a listing.
+    names: Vec<String>,
+}
+
+impl Bases {
+    /// From the `<AngleBasis>` elements of `<DataDefinition>`.
+    pub fn read(definition: Option<&Node<'_>>, decoder: &mut Decoder<'_, '_>) -> Result<Self> {
+        let mut bases = Self {
+            listed: Vec::new(),
+            names: Vec::new(),
+        };
+        for node in definition.iter().flat_map(|d| d.all("AngleBasis")) {
+            let name = node
+                .child("AngleBasisName")
+                .map_or_else(String::new, |n| decoder.line(n));
+            if node.child("AngleBasisBlock").is_some() {
+                let basis = Arc::new(listing(node, &name, decoder)?);
+                let same_name = Basis::named(&name).ok();
+                let instead_of = same_name.filter(|s| *s != *basis).map(Arc::new);
+                if instead_of.is_some() {
+                    let what =
+                        format!("the listing of {name:?} is not the standard basis of that name; the listing is used");
+                    decoder.faults.warn(node.at, node.name, what);
+                }
+                if bases.listed.iter().any(|(n, _)| *n == name.to_ascii_lowercase()) {
+                    return Err(Error::format(
+                        place(decoder.faults.bytes, node.at, node.name),
+                        format!("angle basis {} is listed twice", shortened(&name)),
+                        "give each listing a name of its own",
+                    ));
+                }
+                let choice = Choice::Listed { basis, instead_of };
+                bases.listed.push((name.to_ascii_lowercase(), choice));
+            }
+            bases.names.push(name);
+        }
+        Ok(bases)
+    }
+
+    /// The basis that a block's element names; without one the only basis of the file.
+    pub fn choose(&self, node: Option<&Node<'_>>, decoder: &mut Decoder<'_, '_>) -> Choice {
+        let mut name = node.map_or_else(String::new, |n| decoder.line(n));
+        if name.is_empty()
+            && let [only] = self.names.as_slice()
+        {
+            name.clone_from(only);
+        }
+        let key = name.to_ascii_lowercase();
+        if let Some((_, choice)) = self.listed.iter().find(|(n, _)| *n == key) {
+            return choice.clone();
+        }
+        match Basis::named(&name) {
+            Ok(basis) => Choice::Named(Arc::new(basis)),
+            Err(_) => Choice::Unknown(name),
+        }
+    }
+}
+
+/// A listing's rings.
+fn listing(node: &Node<'_>, name: &str, decoder: &mut Decoder<'_, '_>) -> Result<Basis> {
+    let mut rings = Vec::new();
+    for block in node.all("AngleBasisBlock") {
+        let bytes = decoder.faults.bytes;
+        let fail = |what: String, remedy: &str| Err(Error::format(place(bytes, block.at, block.name), what, remedy));
+        let mut number = |parent: Option<&Node<'_>>, field: &str| -> Result<Option<f64>> {
+            let Some(field) = parent.and_then(|p| p.child(field)) else {
+                return Ok(None);
+            };
+            let text = decoder.text(field);
+            match text.parse::<f64>() {
+                Ok(value) if value.is_finite() => Ok(Some(value)),
+                _ => Err(Error::format(
+                    place(bytes, field.at, field.name),
+                    format!("{} is not a number", shortened(&text)),
+                    "numbers are written like 12.5",
+                )),
+            }
+        };
+        let bounds = block.child("ThetaBounds");
+        let (lower, upper) = (number(bounds, "LowerTheta")?, number(bounds, "UpperTheta")?);
+        let (Some(lower_deg), Some(upper_deg)) = (lower, upper) else {
+            return fail(
+                format!("ring {} has no <ThetaBounds>", rings.len() + 1),
+                "give its <LowerTheta> and <UpperTheta>",
+            );
+        };
+        let nominal = number(Some(block), "Theta")?;
+        let Some(count) = number(Some(block), "nPhis")? else {
+            return fail(
+                format!("ring {} has no <nPhis>", rings.len() + 1),
+                "give its number of patches",
+            );
+        };
+        if !(1.0..=1e6).contains(&count) || count.fract() != 0.0 {
+            return fail(
+                format!("nPhis is {count}"),
+                "give a whole number of patches from 1 to 1000000",
+            );
+        }
+        rings.push(Ring {
+            lower_deg,
+            upper_deg,
+            nominal_deg: nominal.unwrap_or(if count == 1.0 {
+                0.0
+            } else {
+                0.5 * (lower_deg + upper_deg)
+            }),
+            count: count as usize,
+        });
+    }
+    Basis::from_rings(name, rings).map_err(|e| {
+        Error::format(
+            place(decoder.faults.bytes, node.at, node.name),
+            e.to_string(),
+            "correct the listing",
+        )
+    })
+}
+
+/// Why a pair of bases could not be found.
+pub(super) struct Misfit {
+    pub what: String,
+    pub remedy: String,
+}
+
+/// Incident and outgoing basis for a count of values, and a warning where the names do not tell them.
+pub(super) fn settle(
+    incident: &Choice,
+    outgoing: &Choice,
+    hint: Option<&Arc<Basis>>,
+    count: usize,
+) -> std::result::Result<(Arc<Basis>, Arc<Basis>, Option<String>), Misfit> {
+    let fits = |i: &Basis, o: &Basis| i.len().checked_mul(o.len()) == Some(count);
+    // What the person says goes first.
+    if let Some(hint) = hint.filter(|h| fits(h, h)) {
+        return Ok((hint.clone(), hint.clone(), None));
+    }
+    let (i, o) = (incident.basis().or(hint), outgoing.basis().or(hint));
+    if let (Some(i), Some(o)) = (i, o)
+        && fits(i, o)
+    {
+        return Ok((i.clone(), o.clone(), None));
+    }
+    // A listing that is wrong under a standard name, or the old count of a standard name.
+    let other = |choice: &Choice| match choice {
+        Choice::Listed {
+            instead_of: Some(basis),
+            ..
+        } => Some(basis.clone()),
+        _ => None,
+    };
+    if let (Some(i), Some(o)) = (other(incident), other(outgoing))
+        && fits(&i, &o)
+    {
+        let warning = format!(
+            "{count} values fit the standard {:?}, not its listing; the standard is used",
+            i.name()
+        );
+        return Ok((i, o, Some(warning)));
+    }
+    if incident.may_be_another()
+        && outgoing.may_be_another()
+        && let Some(basis) = standard().into_iter().find(|b| fits(b, b))
+    {
+        let named = if outgoing.words() == incident.words() {
+            incident.words()
+        } else {
+            format!("{} and {}", incident.words(), outgoing.words())
+        };
+        let warning = format!(
+            "angle basis {named}, but {count} values fit {:?}, which is used",
+            basis.name()
+        );
+        let basis = Arc::new(basis);
+        return Ok((basis.clone(), basis, Some(warning)));
+    }
+    Err(match (i, o) {
+        (Some(i), Some(o)) => Misfit {
+            what: format!(
+                "{count} values where {} × {} = {} belong for {:?} and {:?}",
+                o.len(),
+                i.len(),
+                i.len().saturating_mul(o.len()),
+                o.name(),
+                i.name()
+            ),
+            remedy: "get the whole file again, or correct the angle basis".into(),
+        },
+        _ => Misfit {
+            what: format!(
+                "angle basis {}, is not listed either, and {count} values fit no standard basis",
+                if incident.basis().is_none() { incident } else { outgoing }.words()
+            ),
+            remedy: "list it under <DataDefinition>, or say which basis it is".into(),
+        },
+    })
+}
