@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from clerestory.basis import Basis
     from clerestory.bsdf import Bsdf, Region
     from clerestory.directions import direction
+    from clerestory.files import read
+    from clerestory.metadata import Metadata
     from clerestory.model import Model
 
 __all__ = [
@@ -25,12 +27,14 @@ __all__ = [
     "Bsdf",
     "ClerestoryError",
     "FileFormatError",
+    "Metadata",
     "MissingDataError",
     "Model",
     "Region",
     "UnsupportedError",
     "__version__",
     "direction",
+    "read",
 ]
 
 # Every name above and the module that it lives in.
@@ -39,12 +43,14 @@ _HOMES = {
     "Bsdf": "bsdf",
     "ClerestoryError": "_core",
     "FileFormatError": "_core",
+    "Metadata": "metadata",
     "MissingDataError": "_core",
     "Model": "model",
     "Region": "bsdf",
     "UnsupportedError": "_core",
     "__version__": "_core",
     "direction": "directions",
+    "read": "files",
 }
 
 

@@ -17,6 +17,8 @@ _Flags: TypeAlias = NDArray[np.bool_]
 _Region: TypeAlias = tuple[tuple[float, float], float, float] | tuple[Basis, list[int]]
 _Report: TypeAlias = tuple[str, Side, Scatter, str, int, float, float | None]
 _Triple: TypeAlias = tuple[float, float, float]
+_Element: TypeAlias = tuple[str, list[tuple[str, str]], str, list[_Element]]
+_Metadata: TypeAlias = tuple[str | None, _Element | None, _Element | None, list[str], list[tuple[str, _Element]]]
 
 __version__: str
 
@@ -82,6 +84,18 @@ class Bsdf:
         progress: Callable[[float], object] | None,
     ) -> tuple[Bsdf, list[_Report]]: ...
     def with_bands(self, names: list[str]) -> Bsdf: ...
+    @staticmethod
+    def from_xml(
+        data: bytes,
+        side_name: str | None = None,
+        scatter_name: str | None = None,
+        basis: Basis | None = None,
+        band: str | None = None,
+    ) -> Bsdf: ...
+    def metadata_parts(self) -> _Metadata: ...
+    def with_metadata_parts(self, parts: _Metadata) -> Bsdf: ...
+    def metadata_fields(self) -> list[tuple[str, str | float]]: ...
+    def with_metadata_fields(self, fields: list[tuple[str, str | float]]) -> Bsdf: ...
 
 class Model:
     @staticmethod

@@ -10,6 +10,7 @@ import numpy as np
 from clerestory import _core
 from clerestory.basis import Basis
 from clerestory.convert import Operations
+from clerestory.metadata import Metadata
 from clerestory.model import Model
 
 if TYPE_CHECKING:
@@ -139,6 +140,34 @@ class Bsdf(Operations):
         from clerestory.describe import as_html
 
         return as_html(self)
+
+    @property
+    def metadata(self) -> Metadata:
+        """What is known of the sample besides scattering."""
+        return Metadata.of(self._core)
+
+    def with_metadata(self, **fields: str | float) -> Bsdf:
+        """The same models with some of the sample's data given.
+
+        Parameters
+        ----------
+        fields
+            Any of name, product_name, manufacturer, device_type, thickness_m, width_m, height_m [m],
+            emissivity_exterior, emissivity_interior, tir, openness (0 to 1), thermal_conductivity [W/(m K)].
+
+        Raises
+        ------
+        ClerestoryError
+            A name that is not known, or a value that makes no sense.
+
+        Examples
+        --------
+        >>> from clerestory import Bsdf, Model
+        >>> glass = Bsdf.from_models({("exterior", "transmission"): Model.specular(0.9)})
+        >>> glass.with_metadata(name="clear", thickness_m=0.004).metadata.thickness_m
+        0.004
+        """
+        return Bsdf(self._core.with_metadata_fields(list(fields.items())))
 
     def model(self, side: Side, scatter: Scatter, band: str | None = None) -> tuple[Model, bool]:
         """The model of a component, and whether it was answered by reciprocity.

@@ -7,6 +7,7 @@ mod convert;
 mod errors;
 mod jobs;
 mod model;
+mod xml;
 
 use pyo3::prelude::*;
 

@@ -175,6 +175,7 @@ impl Bsdf {
     #[must_use]
     pub fn flipped(&self) -> Self {
         let mut result = self.clone();
+        result.metadata = self.metadata.flipped();
         for (new, old) in result.bands.iter_mut().zip(&self.bands) {
             for side in Side::BOTH {
                 for scatter in Scatter::BOTH {

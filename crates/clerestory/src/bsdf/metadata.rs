@@ -80,6 +80,20 @@ impl Metadata {
         }
     }
 
+    /// The data of the sample turned about its vertical axis: its faces change their emissivities.
+    #[must_use]
+    pub fn flipped(&self) -> Self {
+        let mut result = self.clone();
+        for field in result.material.iter_mut().flat_map(|m| &mut m.children) {
+            field.name = match field.name.as_str() {
+                "EmissivityFront" => "EmissivityBack".into(),
+                "EmissivityBack" => "EmissivityFront".into(),
+                _ => continue,
+            };
+        }
+        result
+    }
+
     /// Sets a `<Material>` field, replacing its text.
     pub fn set_material(&mut self, field: &str, text: &str, unit: Option<&str>) {
         let material = self.material.get_or_insert_with(|| Element::leaf("Material", ""));

@@ -10,6 +10,7 @@
 
 mod basis;
 mod blocks;
+pub mod fields;
 mod metadata;
 mod names;
 mod read;

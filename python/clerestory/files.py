@@ -1,0 +1,79 @@
+"""Files: BSDF XML of WINDOW, Radiance and genBSDF, and Clerestory's own file."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from clerestory import _core
+from clerestory.basis import Basis
+from clerestory.bsdf import Bsdf
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Iterator
+
+    from clerestory.directions import Scatter, Side
+
+
+def read(
+    path: str | os.PathLike[str],
+    *,
+    side: Side | None = None,
+    scatter: Scatter | None = None,
+    basis: Basis | str | None = None,
+    band: str | None = None,
+) -> Bsdf:
+    """Read a BSDF file.
+
+    Plain and gzipped XML and Clerestory's own file are told apart by their content. What was faulty in the file but
+    could be understood is in `Bsdf.warnings`.
+
+    Parameters
+    ----------
+    path
+        The file.
+    side
+        Side that the light comes from, for an XML file whose blocks do not tell.
+    scatter
+        Transmission or reflection, for an XML file whose blocks do not tell.
+    basis
+        Incident and outgoing angle basis, for an XML file that names it wrongly or not at all.
+    band
+        Name of the band, for an XML file that does not name it.
+
+    Raises
+    ------
+    FileFormatError
+        The file is damaged, or could mean two things that the hints do not decide; the text names file, line,
+        element and remedy.
+    OSError
+        The file cannot be opened.
+
+    Examples
+    --------
+    >>> import clerestory
+    >>> bsdf = clerestory.read("blind.xml")  # doctest: +SKIP
+    """
+    path = Path(path)
+    data = path.read_bytes()
+    with named(path):
+        if data.startswith(b"PK\x03\x04"):
+            own: Bsdf = import_module("clerestory.npz").load(path)
+            return own
+        named_basis = Basis.named(basis) if isinstance(basis, str) else basis
+        core = _core.Bsdf.from_xml(data, side, scatter, None if named_basis is None else named_basis._core, band)
+    return Bsdf(core)
+
+
+@contextmanager
+def named(path: Path) -> Iterator[None]:
+    """Put a file's name before the text of what fails inside."""
+    try:
+        yield
+    except _core.ClerestoryError as error:
+        if str(error).startswith(f"{path}: "):
+            raise
+        raise type(error)(f"{path}: {error}") from error
