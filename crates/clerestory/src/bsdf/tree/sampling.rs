@@ -85,7 +85,7 @@ pub(super) struct Slices {
     /// Tree over incident positions: with the highest bit the first entry of a node, else a slice.
     root: u32,
     nodes: Vec<u32>,
-    slices: Vec<Slice>,
+    distinct: Vec<Slice>,
 }
 
 impl Slices {
@@ -96,7 +96,7 @@ impl Slices {
             steps: Vec::new(),
             root: 0,
             nodes: Vec::new(),
-            slices: Vec::new(),
+            distinct: Vec::new(),
         };
         let profile = slices.profile(tree, tree.root);
         slices.root = slices.store(&profile);
@@ -161,8 +161,8 @@ impl Slices {
     fn store(&mut self, profile: &Profile) -> u32 {
         match profile {
             Profile::Same(slice) => {
-                self.slices.push(*slice);
-                (self.slices.len() - 1) as u32
+                self.distinct.push(*slice);
+                (self.distinct.len() - 1) as u32
             }
             Profile::Split(split) => {
                 let first = self.nodes.len();
@@ -182,7 +182,7 @@ impl Slices {
             entry = self.nodes[(entry & !BRANCH) as usize + self.rank.incident_child(code, level)];
             level += 1;
         }
-        &self.slices[entry as usize]
+        &self.distinct[entry as usize]
     }
 }
 
@@ -201,13 +201,14 @@ impl Tree {
 /// Chooses one of two halves by their shares and stretches the rest of the number over it.
 fn choose(u: &mut f64, first: f64, second: f64) -> usize {
     let target = *u * (first + second);
-    let (half, inner) = if second <= 0.0 || (first > 0.0 && target < first) {
-        (0, target / first)
+    let is_first = target < first || second <= 0.0;
+    let (part, whole) = if is_first {
+        (target, first)
     } else {
-        (1, (target - first) / second)
+        (target - first, second)
     };
-    *u = inner.clamp(0.0, 1.0 - f64::EPSILON);
-    half
+    *u = (part / whole).clamp(0.0, 1.0 - f64::EPSILON);
+    usize::from(!is_first)
 }
 
 impl Scatterer for Tree {
@@ -264,11 +265,13 @@ impl Scatterer for Tree {
     }
 
     fn pdf(&self, incident: Disk, outgoing: Disk) -> f64 {
-        let total = PI * self.slice(incident).mean;
+        let code = self.rank.incident_code(incident);
+        let total = PI * self.slices().at(code).mean;
         if total <= 0.0 {
             return 0.0;
         }
-        self.evaluate(incident, outgoing) * outgoing.cos_theta() / total
+        let code = code | self.rank.outgoing_code(self.rank.into_frame(incident, outgoing));
+        f64::from(self.value_at(code)) * outgoing.cos_theta() / total
     }
 
     fn total(&self, incident: Disk, part: Part) -> Estimate {

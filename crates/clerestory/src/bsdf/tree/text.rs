@@ -376,7 +376,8 @@ mod tests {
     }
 
     fn numbers(count: usize, value: impl Fn(usize) -> f64) -> String {
-        (0..count).map(|n| format!("{:.4} ", value(n))).collect()
+        let texts: Vec<String> = (0..count).map(|n| format!("{:.4}", value(n))).collect();
+        texts.join(" ")
     }
 
     /// BSDF for directions (theta, phi in degrees from the room's normal) toward the source and along the light.
@@ -393,8 +394,8 @@ mod tests {
     #[test]
     fn branches_and_grids_have_their_own_orders() {
         let value = |n: usize| 0.01 * (n as f64 + 1.0);
-        let branch: String = (0..16).map(|n| format!("{{{:.4}}},\n", value(n))).collect();
-        let branch = tree(Rank::Anisotropic, &format!("{{{branch}}}"));
+        let branch: Vec<String> = (0..16).map(|n| format!("{{{:.4}}},\n", value(n))).collect();
+        let branch = tree(Rank::Anisotropic, &format!("{{{}}}", branch.concat()));
         let grid = tree(Rank::Anisotropic, &format!("{{{}}}", numbers(16, value)));
         for (i, o, b, g) in [
             ((140.0, 20.0), (40.0, 200.0), 0.01, 0.01),
