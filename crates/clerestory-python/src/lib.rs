@@ -3,6 +3,7 @@
 mod arrays;
 mod basis;
 mod bsdf;
+mod compare;
 mod convert;
 mod errors;
 mod jobs;
@@ -20,6 +21,8 @@ mod _core {
     use crate::basis::PyBasis;
     #[pymodule_export]
     use crate::bsdf::PyBsdf;
+    #[pymodule_export]
+    use crate::compare::distances;
     #[pymodule_export]
     use crate::model::PyModel;
 

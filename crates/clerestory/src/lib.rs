@@ -9,6 +9,7 @@
 
 pub mod basis;
 pub mod bsdf;
+pub mod compare;
 pub mod direction;
 pub mod error;
 pub mod io;

@@ -9,6 +9,7 @@
 //! where bit k of n is set. An entry is a value (the bits of a float that is not negative) or, with the highest bit set,
 //! the number of a block.
 
+mod cells;
 mod code;
 mod sampling;
 #[cfg(test)]
@@ -24,6 +25,7 @@ use crate::direction::Disk;
 use crate::error::{Error, Result};
 use sampling::Slices;
 
+pub use cells::OutgoingCell;
 pub use text::{Clamped, parse};
 
 /// Marks an entry as the number of a block.
