@@ -3,6 +3,7 @@
 //! * To name a direction or a side: [`direction`].
 //! * To divide a hemisphere into patches: [`basis`].
 //! * To evaluate, sample, integrate or convert a scattering model: [`bsdf`].
+//! * To build a window of layers: [`system`].
 //! * To read and write the field's files: [`io`].
 //!
 //! Nothing here knows of Python or of a console.
@@ -15,5 +16,6 @@ pub mod error;
 pub mod io;
 pub mod progress;
 pub mod sequence;
+pub mod system;
 
 pub use error::{Error, Result};

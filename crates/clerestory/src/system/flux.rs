@@ -1,0 +1,276 @@
+//! Light from patch to patch as flux: a diagonal of beams and, where light is scattered, a matrix.
+//!
+//! Beams keep their patch when they pass or are mirrored, so a product or a solution of beams is one of numbers. Keeping
+//! them apart leaves what travelled along specular paths alone as a beam, and glass costs next to nothing.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use ndarray::{Array1, Array2, Axis};
+
+use super::linear;
+use crate::basis::Basis;
+use crate::bsdf::{Matrix, Model, Scatterer, Specular, Sum};
+use crate::direction::Disk;
+use crate::error::{Error, Result};
+
+/// Where in a patch the value of a specular layer is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Sampling {
+    /// At its nominal centre, as WINDOW does.
+    #[default]
+    Centre,
+    /// The mean over its projected solid angle.
+    Mean,
+}
+
+/// Shares of the flux of incident patches that leave into outgoing ones.
+#[derive(Debug, Clone)]
+pub struct Flux {
+    /// Of each incident patch, what stays a beam.
+    beam: Array1<f64>,
+    /// What is scattered, (outgoing, incident); none where it is all zero.
+    scattered: Option<Array2<f64>>,
+}
+
+impl Flux {
+    /// No light at all.
+    pub fn none(patches: usize) -> Self {
+        Self {
+            beam: Array1::zeros(patches),
+            scattered: None,
+        }
+    }
+
+    /// Every patch to itself.
+    pub fn identity(patches: usize) -> Self {
+        Self {
+            beam: Array1::ones(patches),
+            scattered: None,
+        }
+    }
+
+    /// From a model that is written on the basis or has no patches of its own.
+    pub fn of(model: &Model, basis: &Arc<Basis>, sampling: Sampling) -> Result<Self> {
+        let n = basis.len();
+        match model {
+            Model::Matrix(matrix) => {
+                for other in [matrix.incident(), matrix.outgoing()] {
+                    if other != basis {
+                        return Err(Error::Argument(format!(
+                            "it is written on {:?}, not on {:?} (convert it first)",
+                            other.name(),
+                            basis.name()
+                        )));
+                    }
+                }
+                let areas = basis.projected_solid_angles();
+                Ok(Self {
+                    beam: Array1::zeros(n),
+                    scattered: Some(Array2::from_shape_fn((n, n), |(o, i)| matrix.value(i, o) * areas[o])),
+                })
+            }
+            Model::Lambertian(diffuser) => {
+                let areas = basis.projected_solid_angles();
+                let value = diffuser.value() / PI;
+                Ok(Self {
+                    beam: Array1::zeros(n),
+                    scattered: (value > 0.0).then(|| Array2::from_shape_fn((n, n), |(o, _)| value * areas[o])),
+                })
+            }
+            Model::Specular(beam) => Ok(Self {
+                beam: beam_values(basis, sampling, |point| beam.value(point)),
+                scattered: None,
+            }),
+            Model::Turned(turned) if matches!(**turned.base(), Model::Specular(_)) => Ok(Self {
+                beam: beam_values(basis, sampling, |point| {
+                    model.total(point, crate::bsdf::Part::Direct).value
+                }),
+                scattered: None,
+            }),
+            Model::Sum(sum) => {
+                let mut total = Self::none(n);
+                for (weight, part) in sum.parts() {
+                    total = total.plus(Self::of(part, basis, sampling)?.times(*weight));
+                }
+                Ok(total)
+            }
+            other => Err(Error::Unsupported(format!(
+                "a {} model has no values by patch (convert it to {:?} first)",
+                other.kind(),
+                basis.name()
+            ))),
+        }
+    }
+
+    /// The model that sends light so: scattered light as a matrix, beams as peaks.
+    pub fn model(&self, basis: &Arc<Basis>, standard_errors: Option<Vec<f64>>) -> Result<Model> {
+        let mut parts = Vec::new();
+        let has_beam = self.beam.iter().any(|&b| b > 0.0);
+        if self.scattered.is_some() || standard_errors.is_some() || !has_beam {
+            let areas = basis.projected_solid_angles();
+            let value = |i, o| self.scattered.as_ref().map_or(0.0, |s| s[[o, i]] / areas[o]);
+            let mut matrix = Matrix::from_fn(basis.clone(), basis.clone(), value)?;
+            if let Some(errors) = standard_errors {
+                matrix = matrix.with_standard_errors(errors)?;
+            }
+            parts.push(Model::Matrix(matrix));
+        }
+        if has_beam {
+            let beam = Specular::patches(basis.clone(), self.beam.to_vec())?;
+            parts.push(Model::Specular(beam));
+        }
+        if parts.len() == 1 {
+            return Ok(parts.remove(0));
+        }
+        Ok(Model::Sum(Sum::new(
+            parts.into_iter().map(|m| (1.0, Arc::new(m))).collect(),
+        )?))
+    }
+
+    /// All of it by a factor.
+    fn times(mut self, factor: f64) -> Self {
+        self.beam *= factor;
+        if let Some(scattered) = &mut self.scattered {
+            *scattered *= factor;
+        }
+        self
+    }
+
+    /// Both together.
+    #[must_use]
+    pub fn plus(&self, other: Self) -> Self {
+        Self {
+            beam: &self.beam + &other.beam,
+            scattered: add(self.scattered.clone(), other.scattered),
+        }
+    }
+
+    /// First `first`, then this.
+    #[must_use]
+    pub fn after(&self, first: &Self) -> Self {
+        // A beam scales the rows of what comes before it and the columns of what comes after it.
+        let ahead = first.scattered.as_ref().and_then(|s| rows_by(&self.beam, s));
+        let behind = self.scattered.as_ref().and_then(|s| columns_by(s, &first.beam));
+        let both = self
+            .scattered
+            .as_ref()
+            .zip(first.scattered.as_ref())
+            .map(|(a, b)| linear::product(a, b));
+        Self {
+            beam: &self.beam * &first.beam,
+            scattered: add(add(both, ahead), behind),
+        }
+    }
+
+    /// All that comes of `light` if a round trip of this kind follows again and again: (1 − this)⁻¹ light.
+    pub fn again_and_again(&self, light: &Self) -> Result<Self> {
+        let trapped = || {
+            Error::Argument(
+                "light that gets between two layers never leaves them (one of them must let some go)".into(),
+            )
+        };
+        let mut beam = light.beam.clone();
+        for (value, round) in beam.iter_mut().zip(&self.beam) {
+            if *value != 0.0 {
+                let kept = 1.0 - round;
+                if kept < 1e-12 {
+                    return Err(trapped());
+                }
+                *value /= kept;
+            }
+        }
+        // The rest: (1 − d − m) x = light.scattered + m · beam.
+        let source = add(
+            light.scattered.clone(),
+            self.scattered.as_ref().and_then(|m| columns_by(m, &beam)),
+        );
+        let scattered = match (source, &self.scattered) {
+            (None, _) => None,
+            (Some(mut source), None) => {
+                for (mut row, round) in source.rows_mut().into_iter().zip(&self.beam) {
+                    let kept = 1.0 - round;
+                    if row.iter().any(|&v| v != 0.0) {
+                        if kept < 1e-12 {
+                            return Err(trapped());
+                        }
+                        row /= kept;
+                    }
+                }
+                Some(source)
+            }
+            (Some(source), Some(m)) => {
+                let mut left = -m;
+                for (k, round) in self.beam.iter().enumerate() {
+                    left[[k, k]] += 1.0 - round;
+                }
+                Some(linear::solve(&left, &source).ok_or_else(trapped)?)
+            }
+        };
+        Ok(Self { beam, scattered })
+    }
+
+    /// Sum of what leaves, by incident patch.
+    pub fn totals(&self) -> Array1<f64> {
+        match &self.scattered {
+            Some(s) => s.sum_axis(Axis(0)) + &self.beam,
+            None => self.beam.clone(),
+        }
+    }
+
+    /// What a meter with these responses to outgoing patches reads, by incident patch.
+    pub fn seen_by(&self, responses: &Array1<f64>) -> Array1<f64> {
+        let mut result = responses * &self.beam;
+        if let Some(s) = &self.scattered {
+            result += &responses.dot(s);
+        }
+        result
+    }
+
+    /// All of it as one matrix, (outgoing, incident).
+    pub fn matrix(&self) -> Array2<f64> {
+        let beam = Array2::from_diag(&self.beam);
+        match &self.scattered {
+            Some(s) => beam + s,
+            None => beam,
+        }
+    }
+}
+
+fn beam_values(basis: &Basis, sampling: Sampling, value: impl Fn(Disk) -> f64) -> Array1<f64> {
+    const RADII: usize = 64;
+    const AZIMUTHS: usize = 8;
+    (0..basis.len())
+        .map(|patch| match sampling {
+            Sampling::Centre => value(basis.centre(patch)),
+            Sampling::Mean => {
+                let mut sum = 0.0;
+                for k in 0..RADII * AZIMUTHS {
+                    let u = (((k / AZIMUTHS) as f64) + 0.5) / RADII as f64;
+                    let v = (((k % AZIMUTHS) as f64) + 0.5) / AZIMUTHS as f64;
+                    sum += value(basis.sample_cosine(patch, [u, v]));
+                }
+                sum / (RADII * AZIMUTHS) as f64
+            }
+        })
+        .collect()
+}
+
+fn add(a: Option<Array2<f64>>, b: Option<Array2<f64>>) -> Option<Array2<f64>> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a + b),
+        (a, b) => a.or(b),
+    }
+}
+
+fn rows_by(factors: &Array1<f64>, matrix: &Array2<f64>) -> Option<Array2<f64>> {
+    some(factors).then(|| matrix * &factors.view().insert_axis(Axis(1)))
+}
+
+fn columns_by(matrix: &Array2<f64>, factors: &Array1<f64>) -> Option<Array2<f64>> {
+    some(factors).then(|| matrix * factors)
+}
+
+fn some(factors: &Array1<f64>) -> bool {
+    factors.iter().any(|&f| f != 0.0)
+}
