@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Literal
 from clerestory import _core
 from clerestory.basis import Basis
 from clerestory.bsdf import Bsdf
-from clerestory.directions import SCATTERS, SIDES
+from clerestory.directions import SCATTERS, SIDES, direction
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -79,23 +79,18 @@ def pane(
     >>> from clerestory.system import pane
     >>> glass = pane(1.526, absorption_per_m=20.0, thickness_m=0.003)
     """
-    if internal_transmittance is not None and absorption_per_m is None and extinction is None:
-        internal = internal_transmittance
-    elif absorption_per_m is not None and thickness_m is not None and internal_transmittance is None and extinction is None:
-        internal = _core.Bsdf.internal_by_absorption(absorption_per_m, thickness_m)
-    elif (
-        extinction is not None
-        and thickness_m is not None
-        and wavelength_nm is not None
-        and internal_transmittance is None
-        and absorption_per_m is None
-    ):
-        internal = _core.Bsdf.internal_by_extinction(extinction, thickness_m, wavelength_nm * 1e-9)
-    else:
-        raise _core.ClerestoryError(
-            "the pane's absorption is not clear (give internal_transmittance; or absorption_per_m and thickness_m; or "
-            "extinction, thickness_m and wavelength_nm)"
-        )
+    match internal_transmittance, absorption_per_m, extinction, thickness_m, wavelength_nm:
+        case (float() | int()) as internal, None, None, _, _:
+            pass
+        case None, (float() | int()) as alpha, None, (float() | int()) as d, _:
+            internal = _core.Bsdf.internal_by_absorption(alpha, d)
+        case None, None, (float() | int()) as kappa, (float() | int()) as d, (float() | int()) as wavelength:
+            internal = _core.Bsdf.internal_by_extinction(kappa, d, wavelength * 1e-9)
+        case _:
+            raise _core.ClerestoryError(
+                "the pane's absorption is not given in one way (give internal_transmittance; or absorption_per_m and "
+                "thickness_m; or extinction, thickness_m and wavelength_nm)"
+            )
     return Bsdf(_core.Bsdf.pane(refractive_index, internal, band))
 
 
@@ -172,18 +167,16 @@ class System:
         return self._core.absorptance(band, side)
 
     def __repr__(self) -> str:
-        """Return a table of hemispherical values for diffuse light."""
-        weights = self.basis.projected_solid_angles
-        weights = weights / weights.sum()
-        count = len(self)
-        lines = [f"<System of {count} layer{'s' if count > 1 else ''} on {self.basis.name}; values for diffuse light"]
-        centres = self.basis.centres
-        for band in self.bsdf.bands:
+        """Return what becomes of light along the normal, by band and side."""
+        bsdf, count = self.bsdf, len(self)
+        lines = [f"System of {count} layer{'s' if count > 1 else ''} on {self.basis.name}, light along the normal:"]
+        for band in bsdf.bands:
             for side in SIDES:
-                sign = -1.0 if side == "exterior" else 1.0
-                del sign, centres
-                raise NotImplementedError
-        return "\n".join(lines) + ">"
+                normal = direction(0.0, 0.0, side=side)
+                t, r = (float(bsdf.integrate(normal, scatter, band=band)) for scatter in SCATTERS)
+                layers = ", ".join(f"{a:.3f}" for a in self.absorptance(band, side)[:, 0])
+                lines.append(f"  {band}, from the {side}: T {t:.3f}, R {r:.3f}, absorbed by the layers {layers}")
+        return "\n".join(lines)
 
 
 def stack(
@@ -201,6 +194,7 @@ def stack(
     ----------
     layers
         Outermost first. Matrices must be written on `basis`; panes, diffusers and beams need no basis.
+        Trees and other models are converted with a line in `System.warnings`.
     basis
         Patches: a name as in `Basis.named`, or a basis.
     specular

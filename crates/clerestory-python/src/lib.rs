@@ -8,6 +8,7 @@ mod convert;
 mod errors;
 mod jobs;
 mod model;
+mod system;
 mod xml;
 
 use pyo3::prelude::*;
@@ -25,6 +26,8 @@ mod _core {
     use crate::compare::distances;
     #[pymodule_export]
     use crate::model::PyModel;
+    #[pymodule_export]
+    use crate::system::PySystem;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -2,7 +2,7 @@
 
 use clerestory::Error;
 use clerestory::bsdf::{Bsdf, Slab};
-use clerestory::system::{Sampling, System, pane, stack};
+use clerestory::system::{PatchValue, System, pane, stack};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 
@@ -25,9 +25,9 @@ impl PySystem {
         basis: &Bound<'_, PyBasis>,
         specular: &str,
     ) -> PyResult<Self> {
-        let sampling = match specular {
-            "centre" => Sampling::Centre,
-            "mean" => Sampling::Mean,
+        let specular = match specular {
+            "centre" => PatchValue::Centre,
+            "mean" => PatchValue::Mean,
             _ => {
                 return Err(ClerestoryError::new_err(format!(
                     "specular {specular:?} is not known (give centre or mean)"
@@ -36,7 +36,7 @@ impl PySystem {
         };
         let layers: Vec<Bsdf> = layers.iter().map(|layer| layer.get().0.clone()).collect();
         let basis = basis.get().0.clone();
-        py.detach(|| stack(&layers, &basis, sampling)).map(Self).map_err(raise)
+        py.detach(|| stack(&layers, &basis, specular)).map(Self).map_err(raise)
     }
 
     #[getter]

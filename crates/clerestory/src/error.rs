@@ -39,6 +39,27 @@ impl Error {
             remedy: remedy.into(),
         }
     }
+
+    /// The same failure with more of its place in front, for example `layer 2: `.
+    #[must_use]
+    pub fn within(self, place: &str) -> Self {
+        match self {
+            Self::Format {
+                place: inner,
+                what,
+                remedy,
+            } => Self::Format {
+                place: format!("{place}{inner}"),
+                what,
+                remedy,
+            },
+            Self::Argument(what) => Self::Argument(format!("{place}{what}")),
+            Self::Missing(what) => Self::Missing(format!("{place}{what}")),
+            Self::Unsupported(what) => Self::Unsupported(format!("{place}{what}")),
+            Self::Io(what) => Self::Io(format!("{place}{what}")),
+            Self::Interrupted => Self::Interrupted,
+        }
+    }
 }
 
 /// Result of anything in this crate.

@@ -10,14 +10,16 @@ use ndarray::{Array1, Array2, Axis};
 
 use super::linear;
 use crate::basis::Basis;
-use crate::bsdf::{Matrix, Model, Scatterer, Specular, Sum};
+use crate::bsdf::convert::{Sampling, to_matrix};
+use crate::bsdf::{Matrix, Model, Part, Scatterer, Separated, Specular, Sum};
 use crate::direction::Disk;
 use crate::error::{Error, Result};
+use crate::progress::Progress;
 
-/// Where in a patch the value of a specular layer is taken.
+/// Which value of a specular layer stands for a patch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Sampling {
-    /// At its nominal centre, as WINDOW does.
+pub enum PatchValue {
+    /// That of its nominal centre, as WINDOW does.
     #[default]
     Centre,
     /// The mean over its projected solid angle.
@@ -31,6 +33,71 @@ pub struct Flux {
     beam: Array1<f64>,
     /// What is scattered, (outgoing, incident); none where it is all zero.
     scattered: Option<Array2<f64>>,
+}
+
+/// The model as matrices on a basis, diffusers and beams; `notes` takes what had to be converted.
+///
+/// Fails for a matrix on other patches: a person must choose how to convert that.
+pub fn on_basis(model: &Arc<Model>, basis: &Arc<Basis>, notes: &mut Vec<String>) -> Result<Arc<Model>> {
+    let beam = |m: &Model| matches!(m, Model::Specular(_));
+    match &**model {
+        Model::Matrix(matrix) => match [matrix.incident(), matrix.outgoing()].into_iter().find(|b| *b != basis) {
+            None => Ok(model.clone()),
+            Some(other) => Err(Error::Argument(format!(
+                "its patches are those of {:?}, not of {:?} (convert it first)",
+                other.name(),
+                basis.name()
+            ))),
+        },
+        Model::Lambertian(_) | Model::Specular(_) => Ok(model.clone()),
+        Model::Turned(turned) if beam(turned.base()) => Ok(model.clone()),
+        Model::Sum(sum) => {
+            let parts = sum
+                .parts()
+                .iter()
+                .map(|(weight, part)| Ok((*weight, on_basis(part, basis, notes)?)))
+                .collect::<Result<_>>()?;
+            Ok(Arc::new(Model::Sum(Sum::new(parts)?)))
+        }
+        Model::Separated(separated) => match &**separated.base() {
+            Model::Matrix(matrix) if matrix.incident() == basis && matrix.outgoing() == basis => {
+                split(separated, matrix, basis)
+            }
+            _ => converted(model, basis, notes),
+        },
+        Model::Tree(_) | Model::Turned(_) | Model::Reversed(_) => converted(model, basis, notes),
+    }
+}
+
+/// A matrix whose beams were found, with both as they are at the patches' centres.
+fn split(separated: &Separated, matrix: &Matrix, basis: &Arc<Basis>) -> Result<Arc<Model>> {
+    let centres: Vec<Disk> = (0..basis.len()).map(|p| basis.centre(p)).collect();
+    let mut scattered = Matrix::from_fn(basis.clone(), basis.clone(), |i, o| {
+        separated.evaluate(centres[i], centres[o])
+    })?;
+    if let Some(errors) = matrix.standard_errors() {
+        scattered = scattered.with_standard_errors(errors.to_vec())?;
+    }
+    let beams = centres
+        .iter()
+        .map(|&c| separated.total(c, Part::Direct).value)
+        .collect();
+    let beams = Specular::patches(basis.clone(), beams)?;
+    let parts = [Model::Matrix(scattered), Model::Specular(beams)];
+    Ok(Arc::new(Model::Sum(Sum::new(
+        parts.into_iter().map(|m| (1.0, Arc::new(m))).collect(),
+    )?)))
+}
+
+fn converted(model: &Model, basis: &Arc<Basis>, notes: &mut Vec<String>) -> Result<Arc<Model>> {
+    let conversion = to_matrix(model, basis, basis, Sampling::default(), &Progress::default())?;
+    notes.push(format!(
+        "{} model converted to {}, with a sampling error of {:.2} %",
+        model.kind(),
+        basis.name(),
+        100.0 * conversion.rms_error
+    ));
+    Ok(Arc::new(Model::Matrix(conversion.matrix)))
 }
 
 impl Flux {
@@ -50,20 +117,11 @@ impl Flux {
         }
     }
 
-    /// From a model that is written on the basis or has no patches of its own.
-    pub fn of(model: &Model, basis: &Arc<Basis>, sampling: Sampling) -> Result<Self> {
+    /// From a model that [`on_basis`] gave.
+    pub fn of(model: &Model, basis: &Arc<Basis>, specular: PatchValue) -> Result<Self> {
         let n = basis.len();
         match model {
             Model::Matrix(matrix) => {
-                for other in [matrix.incident(), matrix.outgoing()] {
-                    if other != basis {
-                        return Err(Error::Argument(format!(
-                            "it is written on {:?}, not on {:?} (convert it first)",
-                            other.name(),
-                            basis.name()
-                        )));
-                    }
-                }
                 let areas = basis.projected_solid_angles();
                 Ok(Self {
                     beam: Array1::zeros(n),
@@ -79,26 +137,23 @@ impl Flux {
                 })
             }
             Model::Specular(beam) => Ok(Self {
-                beam: beam_values(basis, sampling, |point| beam.value(point)),
+                beam: beam_values(basis, specular, |point| beam.value(point)),
                 scattered: None,
             }),
-            Model::Turned(turned) if matches!(**turned.base(), Model::Specular(_)) => Ok(Self {
-                beam: beam_values(basis, sampling, |point| {
-                    model.total(point, crate::bsdf::Part::Direct).value
-                }),
+            Model::Turned(_) => Ok(Self {
+                beam: beam_values(basis, specular, |point| model.total(point, Part::Direct).value),
                 scattered: None,
             }),
             Model::Sum(sum) => {
                 let mut total = Self::none(n);
                 for (weight, part) in sum.parts() {
-                    total = total.plus(Self::of(part, basis, sampling)?.times(*weight));
+                    total = total.plus(Self::of(part, basis, specular)?.times(*weight));
                 }
                 Ok(total)
             }
             other => Err(Error::Unsupported(format!(
-                "a {} model has no values by patch (convert it to {:?} first)",
-                other.kind(),
-                basis.name()
+                "a {} model has no values by patch",
+                other.kind()
             ))),
         }
     }
@@ -237,13 +292,13 @@ impl Flux {
     }
 }
 
-fn beam_values(basis: &Basis, sampling: Sampling, value: impl Fn(Disk) -> f64) -> Array1<f64> {
+fn beam_values(basis: &Basis, specular: PatchValue, value: impl Fn(Disk) -> f64) -> Array1<f64> {
     const RADII: usize = 64;
     const AZIMUTHS: usize = 8;
     (0..basis.len())
-        .map(|patch| match sampling {
-            Sampling::Centre => value(basis.centre(patch)),
-            Sampling::Mean => {
+        .map(|patch| match specular {
+            PatchValue::Centre => value(basis.centre(patch)),
+            PatchValue::Mean => {
                 let mut sum = 0.0;
                 for k in 0..RADII * AZIMUTHS {
                     let u = (((k / AZIMUTHS) as f64) + 0.5) / RADII as f64;

@@ -11,12 +11,15 @@ use std::sync::Arc;
 use ndarray::Array1;
 use rayon::prelude::*;
 
-use super::errors;
-use super::flux::{Flux, Sampling};
+use super::errors::{self, Variances};
+use super::flux::{Flux, PatchValue, on_basis};
 use crate::basis::Basis;
-use crate::bsdf::{Band, Bsdf, Metadata};
+use crate::bsdf::{Band, Bsdf, Metadata, Model};
 use crate::direction::{Scatter, Side};
 use crate::error::{Error, Result};
+
+/// Data that send out more than they receive by less than this pass without a warning.
+const GAIN: f64 = 1e-3;
 
 /// A window of layers.
 #[derive(Debug, Clone)]
@@ -58,21 +61,25 @@ pub(super) struct Layer {
     pub transmission: [Flux; 2],
     pub reflection: [Flux; 2],
     /// Variances of the flux shares, where the data have standard errors.
-    pub variances: errors::Variances,
+    pub variances: Variances,
 }
 
 impl Layer {
-    fn new(bsdf: &Bsdf, band: &str, basis: &Arc<Basis>, sampling: Sampling) -> Result<(Self, bool)> {
-        let mut by_reciprocity = false;
-        let mut variances = errors::Variances::default();
+    /// The layer, with notes on what its data did not give as such.
+    fn new(bsdf: &Bsdf, band: &str, basis: &Arc<Basis>, specular: PatchValue) -> Result<(Self, Vec<String>)> {
+        let (mut notes, mut variances) = (Vec::new(), Variances::default());
         let mut flux = |side: Side, scatter: Scatter| -> Result<Flux> {
+            let place = format!("{} for light from the {}", scatter.name(), side.name());
             let outcome = bsdf.component(Some(band), side, scatter)?;
-            by_reciprocity |= outcome.by_reciprocity;
-            variances.set(side, scatter, &outcome.component, basis);
-            Flux::of(&outcome.component, basis, sampling).map_err(|error| match error {
-                Error::Unsupported(what) => Error::Unsupported(place(side, scatter, &what)),
-                other => Error::Argument(place(side, scatter, &other.to_string())),
-            })
+            if outcome.by_reciprocity {
+                notes.push(format!("{place} was taken from the other side by reciprocity"));
+            }
+            let mut converted = Vec::new();
+            let model = on_basis(&outcome.component, basis, &mut converted)
+                .map_err(|error| error.within(&format!("{place}: ")))?;
+            notes.extend(converted.iter().map(|note| format!("{place}: {note}")));
+            variances.set(side, scatter, &model, basis);
+            Flux::of(&model, basis, specular)
         };
         let transmission = [
             flux(Side::Exterior, Scatter::Transmission)?,
@@ -87,17 +94,23 @@ impl Layer {
             reflection,
             variances,
         };
-        Ok((layer, by_reciprocity))
+        for side in Side::BOTH {
+            let least = layer.absorptance(side).iter().copied().fold(0.0, f64::min);
+            if least < -GAIN {
+                notes.push(format!(
+                    "up to {:.1} % of the light that comes from the {} leaves",
+                    100.0 * (1.0 - least),
+                    side.name()
+                ));
+            }
+        }
+        Ok((layer, notes))
     }
 
     /// Share of the light from each patch of a side that the layer absorbs.
     fn absorptance(&self, side: Side) -> Array1<f64> {
         1.0 - self.transmission[side as usize].totals() - self.reflection[side as usize].totals()
     }
-}
-
-fn place(side: Side, scatter: Scatter, what: &str) -> String {
-    format!("{} for light from the {}: {what}", scatter.name(), side.name())
 }
 
 /// What becomes of light from one side. Everything is by incident patch of that side.
@@ -153,68 +166,87 @@ impl Response {
     }
 }
 
-/// One band of the system and what its layers absorb.
-fn combine(layers: &[Layer], basis: &Arc<Basis>) -> Result<([[crate::bsdf::Model; 2]; 2], [Vec<Vec<f64>>; 2])> {
-    let inward: Vec<&Layer> = layers.iter().collect();
-    let outward: Vec<&Layer> = layers.iter().rev().collect();
-    let (exterior, interior) = rayon::join(
-        || Response::new(&inward, Side::Exterior, basis.len()),
-        || Response::new(&outward, Side::Interior, basis.len()),
-    );
-    let (exterior, interior) = (exterior?, interior?);
-    let errors = |side| errors::standard_errors(layers, [&exterior, &interior], side, basis);
-    let models = |response: &Response, side| -> Result<[crate::bsdf::Model; 2]> {
-        let [transmission, reflection] = errors(side)?;
-        Ok([
-            response.transmission.model(basis, transmission)?,
-            response.reflection.model(basis, reflection)?,
-        ])
-    };
-    let mut absorptance = [&exterior, &interior].map(|response| {
-        let lists = response.absorptance.iter().map(|a| a.iter().copied().collect());
-        lists.collect::<Vec<Vec<f64>>>()
-    });
-    // Light from the interior meets the innermost layer first.
-    absorptance[Side::Interior as usize].reverse();
-    Ok((
-        [models(&exterior, Side::Exterior)?, models(&interior, Side::Interior)?],
-        absorptance,
-    ))
+/// One band of a system: its models by side and scatter, and what its layers absorb by side.
+struct Solved {
+    models: [[Model; 2]; 2],
+    absorptance: [Vec<Vec<f64>>; 2],
 }
 
-/// Puts layers together, outermost first, in every band that all of them have.
-///
-/// Fails where a layer lacks a reflection, or is a table on other patches than `basis`; the text names the layer.
-pub fn stack(layers: &[Bsdf], basis: &Arc<Basis>, sampling: Sampling) -> Result<System> {
-    let Some(first) = layers.first() else {
-        return Err(Error::Argument("a system needs at least one layer".into()));
-    };
-    let has = |layer: &Bsdf, band: &str| layer.bands().iter().any(|b| b.name == band);
-    let (common, partial): (Vec<&str>, Vec<&str>) = layers
-        .iter()
-        .enumerate()
-        .flat_map(|(k, layer)| {
-            layer
-                .bands()
-                .iter()
-                .map(|b| b.name.as_str())
-                .filter(move |band| !layers[..k].iter().any(|earlier| has(earlier, band)))
+impl Solved {
+    fn new(layers: &[Layer], basis: &Arc<Basis>) -> Result<Self> {
+        let inward: Vec<&Layer> = layers.iter().collect();
+        let outward: Vec<&Layer> = layers.iter().rev().collect();
+        let (exterior, interior) = rayon::join(
+            || Response::new(&inward, Side::Exterior, basis.len()),
+            || Response::new(&outward, Side::Interior, basis.len()),
+        );
+        let responses = [&exterior?, &interior?];
+        let models = |side: Side| -> Result<[Model; 2]> {
+            let [transmission, reflection] = errors::standard_errors(layers, responses, side, basis)?;
+            let response = responses[side as usize];
+            Ok([
+                response.transmission.model(basis, transmission)?,
+                response.reflection.model(basis, reflection)?,
+            ])
+        };
+        let mut absorptance = responses.map(|response| {
+            let lists = response.absorptance.iter().map(|a| a.iter().copied().collect());
+            lists.collect::<Vec<Vec<f64>>>()
+        });
+        // Light from the interior meets the innermost layer first.
+        absorptance[Side::Interior as usize].reverse();
+        Ok(Self {
+            models: [models(Side::Exterior)?, models(Side::Interior)?],
+            absorptance,
         })
-        .partition(|band| layers.iter().all(|layer| has(layer, band)));
+    }
+
+    fn band(self, like: &Band) -> (Band, [Vec<Vec<f64>>; 2]) {
+        let mut band = Band::new(&like.name);
+        band.source_spectrum.clone_from(&like.source_spectrum);
+        band.detector_spectrum.clone_from(&like.detector_spectrum);
+        for (side, models) in Side::BOTH.into_iter().zip(self.models) {
+            for (scatter, model) in Scatter::BOTH.into_iter().zip(models) {
+                band = band.with(side, scatter, model);
+            }
+        }
+        (band, self.absorptance)
+    }
+}
+
+/// Names of the bands that all layers have, and of those that only some have.
+fn bands(layers: &[Bsdf]) -> Result<(Vec<&str>, Vec<&str>)> {
+    let names = |layer: &'_ Bsdf| -> Vec<String> { layer.bands().iter().map(|b| b.name.clone()).collect() };
+    let mut all: Vec<&str> = Vec::new();
+    for band in layers.iter().flat_map(Bsdf::bands) {
+        if !all.contains(&band.name.as_str()) {
+            all.push(&band.name);
+        }
+    }
+    let everywhere = |band: &&str| layers.iter().all(|layer| layer.bands().iter().any(|b| b.name == *band));
+    let (common, partial): (Vec<&str>, Vec<&str>) = all.into_iter().partition(everywhere);
     if common.is_empty() {
         let lists: Vec<String> = layers
             .iter()
             .enumerate()
-            .map(|(k, layer)| {
-                let names: Vec<&str> = layer.bands().iter().map(|b| b.name.as_str()).collect();
-                format!("layer {}: {}", k + 1, names.join(", "))
-            })
+            .map(|(k, layer)| format!("layer {}: {}", k + 1, names(layer).join(", ")))
             .collect();
         return Err(Error::Missing(format!(
             "the layers have no band in common ({})",
             lists.join("; ")
         )));
     }
+    Ok((common, partial))
+}
+
+/// Puts layers together, outermost first, in every band that all of them have.
+///
+/// Fails where a layer lacks a reflection, or is a table on other patches than `basis`; the text names the layer.
+pub fn stack(layers: &[Bsdf], basis: &Arc<Basis>, specular: PatchValue) -> Result<System> {
+    let Some(first) = layers.first() else {
+        return Err(Error::Argument("a system needs at least one layer".into()));
+    };
+    let (common, partial) = bands(layers)?;
     let mut warnings = Vec::new();
     if !partial.is_empty() {
         warnings.push(format!(
@@ -222,54 +254,25 @@ pub fn stack(layers: &[Bsdf], basis: &Arc<Basis>, sampling: Sampling) -> Result<
             partial.join(", ")
         ));
     }
-    let mut loaded = Vec::new();
+    let mut prepared = Vec::new();
     for band in &common {
         let mut of_band = Vec::new();
         for (k, layer) in layers.iter().enumerate() {
-            let (flux, by_reciprocity) =
-                Layer::new(layer, band, basis, sampling).map_err(|e| name_layer(k, band, e))?;
-            if by_reciprocity {
-                warnings.push(format!(
-                    "layer {}, band {band:?}: transmission of one side was taken from the other by reciprocity",
-                    k + 1
-                ));
-            }
-            for side in Side::BOTH {
-                let least = flux.absorptance(side).iter().copied().fold(0.0, f64::min);
-                if least < -1e-3 {
-                    warnings.push(format!(
-                        "layer {}, band {band:?}: sends out up to {:.1} % of the light that comes from the {}",
-                        k + 1,
-                        100.0 * (1.0 - least),
-                        side.name()
-                    ));
-                }
-            }
-            of_band.push(flux);
+            let place = format!("layer {}, band {band:?}: ", k + 1);
+            let (layer, notes) = Layer::new(layer, band, basis, specular).map_err(|e| e.within(&place))?;
+            warnings.extend(notes.into_iter().map(|note| place.clone() + &note));
+            of_band.push(layer);
         }
-        loaded.push(of_band);
+        prepared.push(of_band);
     }
-    let combined: Vec<_> = loaded
+    let solved: Vec<Solved> = prepared
         .par_iter()
         .zip(&common)
-        .map(|(layers, band)| {
-            combine(layers, basis).map_err(|e| match e {
-                Error::Argument(what) => Error::Argument(format!("band {band:?}: {what}")),
-                other => other,
-            })
-        })
+        .map(|(layers, band)| Solved::new(layers, basis).map_err(|e| e.within(&format!("band {band:?}: "))))
         .collect::<Result<_>>()?;
     let (mut bands, mut absorptance) = (Vec::new(), Vec::new());
-    for (name, (models, absorbed)) in common.into_iter().zip(combined) {
-        let mut band = Band::new(name);
-        let source = first.band(Some(name))?;
-        band.source_spectrum.clone_from(&source.source_spectrum);
-        band.detector_spectrum.clone_from(&source.detector_spectrum);
-        for (side, of_side) in Side::BOTH.into_iter().zip(models) {
-            for (scatter, model) in Scatter::BOTH.into_iter().zip(of_side) {
-                band = band.with(side, scatter, model);
-            }
-        }
+    for (name, solved) in common.into_iter().zip(solved) {
+        let (band, absorbed) = solved.band(first.band(Some(name))?);
         bands.push(band);
         absorptance.push(absorbed);
     }
@@ -290,20 +293,10 @@ pub fn stack(layers: &[Bsdf], basis: &Arc<Basis>, sampling: Sampling) -> Result<
     })
 }
 
-fn name_layer(index: usize, band: &str, error: Error) -> Error {
-    let prefix = format!("layer {}, band {band:?}: ", index + 1);
-    match error {
-        Error::Missing(what) => Error::Missing(prefix + &what),
-        Error::Unsupported(what) => Error::Unsupported(prefix + &what),
-        Error::Argument(what) => Error::Argument(prefix + &what),
-        other => other,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bsdf::{Matrix, Model, Part, Scatterer, Slab, Specular};
+    use crate::bsdf::{Matrix, Part, Scatterer, Slab, Specular};
     use crate::sequence::uniform;
     use std::f64::consts::PI;
 
@@ -351,7 +344,7 @@ mod tests {
     }
 
     fn build(layers: &[Bsdf]) -> System {
-        stack(layers, &full(), Sampling::Centre).unwrap()
+        stack(layers, &full(), PatchValue::Centre).unwrap()
     }
 
     fn total(system: &System, side: Side, scatter: Scatter, patch: usize, part: Part) -> f64 {
@@ -362,7 +355,7 @@ mod tests {
     /// Beams and scattered light as one matrix (1/sr).
     fn classic(system: &System, side: Side, scatter: Scatter) -> Vec<f64> {
         let model = system.bsdf.component(None, side, scatter).unwrap().component;
-        let flux = Flux::of(&model, system.basis(), Sampling::Centre).unwrap().matrix();
+        let flux = Flux::of(&model, system.basis(), PatchValue::Centre).unwrap().matrix();
         let areas = system.basis().projected_solid_angles();
         let n = areas.len();
         (0..n * n).map(|k| flux[[k % n, k / n]] / areas[k % n]).collect()
@@ -528,7 +521,7 @@ mod tests {
         let basis = full();
         let beam = Model::Specular(Specular::Angular(vec![1.0, 0.0]));
         let black = Model::Specular(Specular::Constant(0.0));
-        let system = stack(&[even(&beam, &black)], &basis, Sampling::Mean).unwrap();
+        let system = stack(&[even(&beam, &black)], &basis, PatchValue::Mean).unwrap();
         let (limits, _) = basis.limits(144);
         let expected = 1.0 - 0.5 * (limits[0].sin().powi(2) + 1.0);
         let value = total(&system, Side::Exterior, Scatter::Transmission, 144, Part::All);
@@ -571,7 +564,7 @@ mod tests {
                     let replaced = |shift| {
                         let mut layers = plain.clone();
                         layers[k] = with_error(&plain[k], (on_side, on_scatter), cell, 1e-5, shift);
-                        stack(&layers, &basis, Sampling::Centre).unwrap()
+                        stack(&layers, &basis, PatchValue::Centre).unwrap()
                     };
                     let (exact, shifted) = (replaced(false), replaced(true));
                     for side in Side::BOTH {
@@ -606,7 +599,7 @@ mod tests {
         band.set(Side::Interior, Scatter::Reflection, None);
         let dark = Bsdf::new(vec![band], Metadata::default()).unwrap();
         let coarse = random(&Arc::new(Basis::klems_half()), 9);
-        let text = |layers: &[Bsdf]| stack(layers, &basis, Sampling::Centre).unwrap_err().to_string();
+        let text = |layers: &[Bsdf]| stack(layers, &basis, PatchValue::Centre).unwrap_err().to_string();
         assert!(text(&[good.clone(), dark]).starts_with("layer 2, band \"visible\": "));
         let message = text(&[good.clone(), coarse]);
         assert!(
@@ -622,9 +615,9 @@ mod tests {
     fn trapped_light_is_an_error() {
         // Light that gets in between two perfect mirrors, through a first one that data say is both.
         let leaky = specular(0.5, 1.0);
-        let error = stack(&[leaky, specular(0.0, 1.0)], &full(), Sampling::Centre).unwrap_err();
+        let error = stack(&[leaky, specular(0.0, 1.0)], &full(), PatchValue::Centre).unwrap_err();
         assert!(error.to_string().contains("never leaves"), "{error}");
         // Mirrors that let nothing in trap nothing.
-        assert!(stack(&[specular(0.0, 1.0), specular(0.0, 1.0)], &full(), Sampling::Centre).is_ok());
+        assert!(stack(&[specular(0.0, 1.0), specular(0.0, 1.0)], &full(), PatchValue::Centre).is_ok());
     }
 }

@@ -12,20 +12,20 @@ const BLOCK: usize = 48;
 const ROWS: usize = 128;
 
 /// `target` += `factor` · a · b.
-fn add_product(factor: f64, a: ArrayView2<'_, f64>, b: ArrayView2<'_, f64>, target: &mut ArrayViewMut2<'_, f64>) {
+fn add_product(factor: f64, a: &ArrayView2<'_, f64>, b: &ArrayView2<'_, f64>, target: &mut ArrayViewMut2<'_, f64>) {
     let chunks: Vec<_> = a
         .axis_chunks_iter(Axis(0), ROWS)
         .zip(target.axis_chunks_iter_mut(Axis(0), ROWS))
         .collect();
     chunks
         .into_par_iter()
-        .for_each(|(rows, mut target)| general_mat_mul(factor, &rows, &b, 1.0, &mut target));
+        .for_each(|(rows, mut target)| general_mat_mul(factor, &rows, b, 1.0, &mut target));
 }
 
 /// a · b.
 pub fn product(a: &Array2<f64>, b: &Array2<f64>) -> Array2<f64> {
     let mut result = Array2::zeros((a.nrows(), b.ncols()));
-    add_product(1.0, a.view(), b.view(), &mut result.view_mut());
+    add_product(1.0, &a.view(), &b.view(), &mut result.view_mut());
     result
 }
 
@@ -49,7 +49,7 @@ pub fn solve(a: &Array2<f64>, b: &Array2<f64>) -> Option<Array2<f64>> {
         }
         let (left, mut target) = below.split_at(Axis(1), end);
         let factors = left.split_at(Axis(1), begin).1;
-        add_product(-1.0, factors.view(), right.view(), &mut target);
+        add_product(-1.0, &factors.view(), &right.view(), &mut target);
     }
     let (upper, right) = work.view().split_at(Axis(1), n);
     let mut x = right.to_owned();
@@ -67,7 +67,7 @@ pub fn solve(a: &Array2<f64>, b: &Array2<f64>) -> Option<Array2<f64>> {
         let block = rest.split_at(Axis(0), end - begin).0;
         let factors = upper.split_at(Axis(0), begin).0.split_at(Axis(1), begin).1;
         let factors = factors.split_at(Axis(1), end - begin).0;
-        add_product(-1.0, factors, block.view(), &mut above);
+        add_product(-1.0, &factors, &block.view(), &mut above);
     }
     Some(x)
 }

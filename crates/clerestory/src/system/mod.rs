@@ -9,5 +9,5 @@ mod layers;
 mod linear;
 pub mod pane;
 
-pub use flux::Sampling;
+pub use flux::PatchValue;
 pub use layers::{System, stack};
