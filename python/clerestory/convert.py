@@ -5,13 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from clerestory.basis import Basis
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Mapping
     from typing import Self
 
+    from numpy.typing import ArrayLike
+
     from clerestory import _core
+    from clerestory.bsdf import Part
     from clerestory.directions import Scatter, Side
 
 
@@ -92,6 +97,102 @@ class Operations:
             progress,
         )
         return type(self)(core, [ConversionReport(*row) for row in rows])
+
+    def scaled(self, factor: float) -> Self:
+        """All values multiplied by a factor of 0 or more."""
+        return type(self)(self._core.scaled(factor))
+
+    def normalised(
+        self,
+        values: ArrayLike,
+        side: Side,
+        scatter: Scatter,
+        *,
+        basis: Basis | str = "klems-full",
+        band: str | None = None,
+        part: Part = "all",
+    ) -> Self:
+        """One component scaled to known direct-hemispherical values, such as those of an integrating sphere.
+
+        Parameters
+        ----------
+        values
+            Direct-hemispherical transmittance or reflectance of all light, 0 to 1: one a patch (n,), or a number for all.
+        side, scatter
+            The component: side of incidence, transmission or reflection.
+        basis
+            Incident patches of the values; those of the matrix, if it is one.
+        band
+            Name of a band; visible, or the first, by default.
+        part
+            The light that is scaled: all, or only the scattered or only the direct part, while the rest is kept.
+
+        Raises
+        ------
+        ClerestoryError
+            A patch has no light to scale, or more than asked for in the part that is kept.
+        UnsupportedError
+            The model cannot be scaled by these patches; the text says what to convert it to.
+        """
+        patches = _basis(basis)
+        array = np.asarray(values, dtype=np.float64)
+        if array.ndim == 0:
+            array = np.full(len(patches), float(array))
+        array = np.ascontiguousarray(array.reshape(-1))
+        return type(self)(self._core.normalised(band, side, scatter, patches._core, array, part))
+
+    def reciprocal_average(self) -> Self:
+        """Forced reciprocity: each component averaged with its own reverse.
+
+        Transmission of the two sides is averaged with each other, reflection with itself, along reversed paths. The
+        hemispherical values of the two sides' transmission become equal.
+
+        Raises
+        ------
+        UnsupportedError
+            A model has no table of its reversed paths; the text says what to convert it to.
+        """
+        return type(self)(self._core.reciprocal_average())
+
+    def separate_peaks(self) -> Self:
+        """The through-beam of every transmission table as an explicit peak; totals stay as they are.
+
+        The criterion is that of Ward et al. 2021 (Building and Environment 196, 107774), which Radiance's aBSDF material
+        applies while rendering. Reflection is left as it is.
+        """
+        return type(self)(self._core.separate_peaks())
+
+    def with_band(self, name: str, mixture: Mapping[str, float]) -> Self:
+        """With a band that is a weighted sum of others, as in ``with_band("solar", {"visible": 0.499, "nir": 0.501})``.
+
+        Matrices on one basis, tensor trees of one rank and analytic models stay what they are; anything else becomes a
+        sum of models at their own resolutions. A band of that name is replaced. Negative weights need matrices.
+
+        Raises
+        ------
+        MissingDataError
+            A band, or a component that another one has, is missing.
+        """
+        return type(self)(self._core.with_mixture(name, list(mixture.items())))
+
+    def with_near_infrared(self, visible_share: float = 0.499) -> Self:
+        """With the band nir, (solar − r·visible) / (1 − r), for matrices.
+
+        Parameters
+        ----------
+        visible_share
+            Share r of visible light in the solar spectrum.
+
+        Notes
+        -----
+        Where solar and visible data do not fit together values become negative. They are kept, named in `warnings` and
+        count as zero in every result.
+        """
+        return type(self)(self._core.with_near_infrared(visible_share))
+
+    def renamed_band(self, old: str, new: str) -> Self:
+        """With a band under another name, in lower case."""
+        return type(self)(self._core.with_renamed_band(old, new))
 
     def _chosen(self, bands: Iterable[str] | None) -> _core.Bsdf:
         if bands is None:

@@ -81,6 +81,15 @@ class Model:
         """Weighted sum of models, each at its own resolution; weights are 0 or more."""
         return cls(_core.Model.sum([(weight, model._core) for weight, model in parts]))
 
+    @classmethod
+    def mixture(cls, parts: Iterable[tuple[float, Model]]) -> Model:
+        """Weighted sum that stays a matrix, a tensor tree, Lambertian or specular where all parts are alike.
+
+        Weights may be negative where all parts are matrices on the same bases. Standard errors add as those of
+        independent values.
+        """
+        return cls(_core.Model.mixture([(weight, model._core) for weight, model in parts]))
+
     @property
     def kind(self) -> str:
         """matrix, tensor tree, Lambertian, specular, sum, turned, reversed or separated."""
@@ -116,3 +125,18 @@ class Model:
     def reciprocal(self) -> Model:
         """The model of the reversed paths: the other side's transmission, or the same side's reflection."""
         return Model(self._core.reciprocal())
+
+    def reciprocity_error(self, back: Model) -> float:
+        """How far two models are from reciprocity: ∫∫|f − reverse of `back`| / ∫∫f, 0 if they are reciprocal.
+
+        Parameters
+        ----------
+        back
+            The other side's transmission; for reflection the model itself.
+
+        Returns
+        -------
+        NaN where this model is dark.
+        """
+        error = self._core.reciprocity_error(back._core)
+        return float("nan") if error is None else error

@@ -104,7 +104,8 @@ fn region(spec: Option<&RegionSpec<'_>>) -> PyResult<Region> {
     })
 }
 
-fn part(name: &str) -> PyResult<Part> {
+/// `all`, `scattered` or `direct`.
+pub fn part(name: &str) -> PyResult<Part> {
     match name {
         "all" => Ok(Part::All),
         "scattered" => Ok(Part::Scattered),

@@ -1,5 +1,7 @@
 //! Python binding: converts arguments, releases the interpreter lock, maps errors. No arithmetic here.
 
+#![allow(clippy::needless_pass_by_value, reason = "the shapes that PyO3 hands over")]
+
 mod arrays;
 mod basis;
 mod bsdf;

@@ -130,6 +130,30 @@ impl Bsdf {
         Ok(result)
     }
 
+    /// With a band put in; one of the same name is replaced.
+    pub fn with_band(&self, band: Band) -> Result<Self> {
+        let mut bands = self.bands.clone();
+        match bands.iter_mut().find(|b| b.name == band.name) {
+            Some(old) => *old = band,
+            None => bands.push(band),
+        }
+        let mut result = Self::new(bands, self.metadata.clone())?;
+        result.warnings.clone_from(&self.warnings);
+        Ok(result)
+    }
+
+    /// A band under another name.
+    pub fn with_renamed_band(&self, old: &str, new: &str) -> Result<Self> {
+        let name = self.band(Some(old))?.name.clone();
+        let mut bands = self.bands.clone();
+        for band in bands.iter_mut().filter(|b| b.name == name) {
+            band.name = new.to_ascii_lowercase();
+        }
+        let mut result = Self::new(bands, self.metadata.clone())?;
+        result.warnings.clone_from(&self.warnings);
+        Ok(result)
+    }
+
     /// A component. A missing transmission side is answered by reciprocity; a missing reflection is an error.
     pub fn component(&self, band: Option<&str>, side: Side, scatter: Scatter) -> Result<Outcome> {
         let band = self.band(band)?;

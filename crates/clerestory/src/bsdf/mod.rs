@@ -5,14 +5,18 @@
 //! * The models: [`Matrix`] on any pair of angle bases, tensor [`Tree`], [`analytic`] ones, [`Sum`]s; and views of
 //!   another model: [`Turned`], [`Reversed`], [`Separated`].
 //! * A whole data set with its bands, sides and metadata: [`Bsdf`].
-//! * From any model to a table: [`convert`].
+//! * From any model to a table: [`convert`]; to known totals: [`normalise`]; to a reciprocal one: [`reciprocity`].
 
 pub mod analytic;
 pub mod convert;
 mod data;
 mod matrix;
 mod metadata;
+mod mixture;
 mod model;
+pub mod normalise;
+mod peaks;
+pub mod reciprocity;
 mod reversed;
 mod scatterer;
 mod separated;
