@@ -117,7 +117,8 @@ class Operations:
         Parameters
         ----------
         values
-            Direct-hemispherical transmittance or reflectance of all light, 0 to 1: one a patch (n,), or a number for all.
+            Direct-hemispherical transmittance or reflectance of all light, 0 to 1: one a patch (n,), or one
+            for all.
         side, scatter
             The component: side of incidence, transmission or reflection.
         basis
@@ -157,8 +158,8 @@ class Operations:
     def separate_peaks(self) -> Self:
         """The through-beam of every transmission table as an explicit peak; totals stay as they are.
 
-        The criterion is that of Ward et al. 2021 (Building and Environment 196, 107774), which Radiance's aBSDF material
-        applies while rendering. Reflection is left as it is.
+        The criterion is that of Ward et al. 2021 (Building and Environment 196, 107774), which Radiance's material
+        aBSDF applies while rendering. Reflection is left as it is.
         """
         return type(self)(self._core.separate_peaks())
 

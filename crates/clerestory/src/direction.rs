@@ -26,6 +26,7 @@ impl Side {
     pub const BOTH: [Self; 2] = [Self::Exterior, Self::Interior];
 
     /// The other side.
+    #[must_use]
     pub fn opposite(self) -> Self {
         match self {
             Self::Exterior => Self::Interior,
@@ -234,6 +235,7 @@ impl Disk {
     }
 
     /// Turned counter-clockwise by an angle whose sine and cosine are given.
+    #[must_use]
     pub fn turned(self, sin: f64, cos: f64) -> Self {
         Self {
             x: self.x * cos - self.y * sin,
@@ -242,6 +244,7 @@ impl Disk {
     }
 
     /// The opposite point: the same path travelled backwards.
+    #[must_use]
     pub fn reversed(self) -> Self {
         Self { x: -self.x, y: -self.y }
     }

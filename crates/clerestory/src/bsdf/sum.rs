@@ -42,7 +42,9 @@ impl Sum {
         if total <= 0.0 {
             return None;
         }
-        shares.iter_mut().for_each(|s| *s /= total);
+        for share in &mut shares {
+            *share /= total;
+        }
         Some(shares)
     }
 
