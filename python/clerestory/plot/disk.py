@@ -15,14 +15,18 @@ from matplotlib.patches import Circle
 
 from clerestory._core import ClerestoryError
 from clerestory.basis import Basis
-from clerestory.plot.style import INK, MISSING
+from clerestory.plot.style import INK, MISSING, figures
+from clerestory.plot.view import region_words
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from matplotlib.axes import Axes
     from numpy.typing import ArrayLike, NDArray
 
     from clerestory.bsdf import Region
     from clerestory.directions import Side
+    from clerestory.plot.view import View
 
 Projection = Literal["polar", "orthographic"]
 OUTGOING_WORDS = ("right", "up", "left", "down")
@@ -87,9 +91,17 @@ def limit(ax: Axes) -> None:
     ax.set_ylim(-_EDGE, _EDGE)
 
 
-def frame(ax: Axes, projection: Projection, *, words: tuple[str, ...] = OUTGOING_WORDS, labels: bool = True) -> None:
+def frame(
+    ax: Axes,
+    projection: Projection,
+    *,
+    words: tuple[str, ...] = OUTGOING_WORDS,
+    labels: bool = True,
+    circles: bool = True,
+) -> None:
     """Circles of equal polar angle, the edge, and words for the azimuths."""
-    for theta in (15, 30, 45, 60, 75) if labels else (30, 60):
+    thetas = (15, 30, 45, 60, 75) if labels else (30, 60)
+    for theta in thetas if circles else ():
         r = float(radius(theta, projection))
         ax.add_patch(Circle((0, 0), r, fill=False, edgecolor="white", linewidth=1.1, alpha=0.35, zorder=2))
         ax.add_patch(Circle((0, 0), r, fill=False, edgecolor=INK, linewidth=0.45, alpha=0.75, zorder=2))
@@ -114,22 +126,6 @@ def frame(ax: Axes, projection: Projection, *, words: tuple[str, ...] = OUTGOING
         ax.text(x, y, word, ha=ha, va=va, fontsize=8)
 
 
-def cross(ax: Axes, point: NDArray[np.float64], label: str = "", *, size: float = 8.0) -> Line2D:
-    """A small cross at a point of the disk, readable on any colour."""
-    (mark,) = ax.plot(
-        *point,
-        marker="x",
-        markersize=size,
-        markeredgewidth=1.2,
-        color=INK,
-        linestyle="none",
-        label=label,
-        zorder=6,
-        path_effects=[effects.withStroke(linewidth=3.0, foreground="white")],
-    )
-    return mark
-
-
 def outline(
     ax: Axes, region: Region, side: Side, projection: Projection, *, style: int = 0, count: int = 720
 ) -> Line2D:
@@ -152,6 +148,16 @@ def outline(
             zorder=5,
         )
     return Line2D([], [], color=INK, linewidth=1.3, linestyle=dashes)
+
+
+def outlines(ax: Axes, regions: Iterable[Region], view: View, projection: Projection) -> list[Line2D]:
+    """The borders of regions, and handles for the legend that say the share of the incident flux in each."""
+    handles = []
+    for k, region in enumerate(regions):
+        handle = outline(ax, region, view.outgoing_side, projection, style=k)
+        handle.set_label(f"{region_words(region, view.outgoing_side)}: {figures(view.total(region))}")
+        handles.append(handle)
+    return handles
 
 
 def region_level(region: Region, directions: NDArray[np.float64]) -> NDArray[np.float64]:

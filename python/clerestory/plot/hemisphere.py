@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import matplotlib.patheffects as effects
 import numpy as np
@@ -10,7 +10,7 @@ from matplotlib.patches import Patch
 
 from clerestory.directions import outgoing_in_words
 from clerestory.plot import disk, style
-from clerestory.plot.view import View, region_words
+from clerestory.plot.view import View
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -95,13 +95,9 @@ def hemisphere(
     figure = style.figure_of(ax)
     image = paint(ax, values, norm)
     disk.frame(ax, projection)
-    handles: list[Artist] = [disk.cross(ax, disk.project(view.through, projection), view.through_words)]
+    handles: list[Artist] = [style.cross(ax, disk.project(view.through, projection), view.through_words)]
     handles += mark_peaks(ax, peaks, projection)
-    for k, region in enumerate(chosen):
-        handle = disk.outline(ax, region, view.outgoing_side, projection, style=k)
-        share = style.figures(view.total(region))
-        handle.set_label(f"{region_words(region, view.outgoing_side)}: {share}")
-        handles.append(handle)
+    handles += disk.outlines(ax, chosen, view, projection)
     if np.isnan(values[np.isfinite(outgoing[..., 2])]).any():
         handles.append(missing_handle())
     ax.set_title(view.title)
@@ -140,20 +136,27 @@ def mark_peaks(ax: Axes, peaks: Iterable[Peak], projection: disk.Projection, *, 
     for peak in peaks:
         (mark,) = ax.plot(
             *disk.project(peak.outgoing, projection),
-            marker="o",
-            markersize=size,
-            markerfacecolor="none",
-            markeredgecolor="#d00000",
-            markeredgewidth=1.6,
-            linestyle="none",
-            zorder=7,
             label=f"peak {style.figures(peak.value)}: {outgoing_in_words(peak.outgoing)}",
-            path_effects=[effects.withStroke(linewidth=3.2, foreground="white")],
+            **peak_style(size),
         )
         marks.append(mark)
     return marks
 
 
-def missing_handle() -> Patch:
+def peak_style(size: float) -> dict[str, Any]:
+    """The ring that marks a peak."""
+    return {
+        "marker": "o",
+        "markersize": size,
+        "markerfacecolor": "none",
+        "markeredgecolor": "#d00000",
+        "markeredgewidth": 1.6,
+        "linestyle": "none",
+        "zorder": 7,
+        "path_effects": [effects.withStroke(linewidth=3.2, foreground="white")],
+    }
+
+
+def missing_handle(label: str = "no data") -> Patch:
     """Legend for what is not known."""
-    return Patch(label="no data", **style.MISSING)
+    return Patch(label=label, **style.MISSING)

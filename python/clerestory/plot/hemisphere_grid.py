@@ -97,7 +97,7 @@ def hemisphere_grid(
                 ax.text(0, 0, "no data", ha="center", va="center", fontsize=9, path_effects=list(disk.HALO))
             else:
                 paint(ax, images[name, k], norm)
-                disk.cross(ax, disk.project(view.through, projection), size=4)
+                style.cross(ax, disk.project(view.through, projection), size=4)
                 mark_peaks(ax, view.peaks(), projection, size=5)
                 ax.text(0, -1.03, f"{view.symbol} = {style.figures(view.total())}", ha="center", va="top", fontsize=7)
             disk.frame(ax, projection, labels=False)

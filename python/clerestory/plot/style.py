@@ -13,6 +13,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, ParamSpec, TypeVar
 
+import matplotlib.patheffects as effects
 import matplotlib.style
 import numpy as np
 from matplotlib import colormaps
@@ -29,7 +30,8 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
     from matplotlib.colors import Colormap
-    from numpy.typing import ArrayLike
+    from matplotlib.lines import Line2D
+    from numpy.typing import ArrayLike, NDArray
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -170,6 +172,22 @@ def extend(values: ArrayLike, scale: Normalize) -> Literal["neither", "min", "ma
     if below:
         return "both" if above else "min"
     return "max" if above else "neither"
+
+
+def cross(ax: Axes, point: NDArray[np.float64], label: str = "", *, size: float = 8.0) -> Line2D:
+    """A small cross at a point of a picture, readable on any colour."""
+    (mark,) = ax.plot(
+        *point,
+        marker="x",
+        markersize=size,
+        markeredgewidth=1.2,
+        color=INK,
+        linestyle="none",
+        label=label,
+        zorder=6,
+        path_effects=[effects.withStroke(linewidth=3.0, foreground="white")],
+    )
+    return mark
 
 
 def line(index: int) -> dict[str, Any]:
