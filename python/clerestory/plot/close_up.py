@@ -71,8 +71,9 @@ def close_up(
     view = View.of(bsdf, incident, side=side, scatter=scatter, band=band, label=label)
     peaks = sorted(view.peaks(), key=lambda p: -p.value)
     middle = _centre(view, centre, peaks[0].outgoing if peaks else view.through)
-    count = 2 * round(60.0 * half_width_deg / step_arcmin) + 1
-    offsets = (np.arange(count) - count // 2) * (step_arcmin / 60.0)
+    # Even, so that no centre of a cell lies on the middle lines, which are borders of cells in many data sets.
+    count = 2 * round(60.0 * half_width_deg / step_arcmin)
+    offsets = (np.arange(count) + 0.5 - count // 2) * (step_arcmin / 60.0)
     right, up = axes_at(middle)
     values = view.evaluate(_around(middle, right, up, offsets), quantity)
     edge = offsets[-1] + 0.5 * step_arcmin / 60.0

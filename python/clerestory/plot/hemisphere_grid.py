@@ -127,7 +127,6 @@ def _folded(name: str, width: int = 18) -> str:
     """A label in two lines at most, cut with an ellipsis."""
     if len(name) <= width:
         return name
-    cut = max(name.rfind(" ", 0, width + 1), name.rfind("-", 0, width) + 1, name.rfind("_", 0, width) + 1)
-    cut = cut if cut > 0 else width
+    cut = max(name.rfind(" ", 0, width + 1), *(name.rfind(mark, 0, width) + 1 for mark in "-_/,")) or width
     rest = name[cut:].strip()
     return name[:cut].strip() + "\n" + (rest if len(rest) <= width else rest[: width - 1] + "…")

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from clerestory.directions import Scatter, Side
     from clerestory.plot.view import Light
 
+_ASIDE_DEG = 1e-5
 _OFF_PLANE_DEG = 1.0
 """A peak this close to the plane is drawn in it."""
 
@@ -119,7 +120,8 @@ def plane_azimuth_deg(source: Light) -> float:
 
 
 def _directions(alpha: NDArray[np.float64], azimuth_deg: float, side: Side) -> NDArray[np.float64]:
-    a, phi = np.radians(alpha), np.radians(azimuth_deg)
+    # The plane of a sun above is a border between cells of many data sets: a hair to its side all points see the same.
+    a, phi = np.radians(alpha), np.radians(azimuth_deg + _ASIDE_DEG)
     z = np.cos(a) if side == "interior" else -np.cos(a)
     return np.stack([np.sin(a) * np.cos(phi), np.sin(a) * np.sin(phi), z], axis=-1)
 

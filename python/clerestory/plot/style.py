@@ -125,6 +125,15 @@ def difference_colours() -> Colormap:
     return colormaps["PuOr_r"].with_extremes(bad=(0.0, 0.0, 0.0, 0.0))
 
 
+class FlooredLogNorm(LogNorm):
+    """A logarithmic scale on which zero lies below the lower end: it is known to be dark, not unknown."""
+
+    def __call__(self, value: Any, clip: bool | None = None) -> Any:  # noqa: ANN401, FBT001 (matplotlib's signature)
+        """Place on the scale, 0 to 1; NaN stays masked."""
+        v = np.ma.masked_invalid(np.ma.asarray(value, dtype=np.float64))
+        return super().__call__(np.ma.maximum(v, 1e-3 * float(self.vmin or 1.0)), clip)
+
+
 def norm(values: ArrayLike, scale: Scale, limits: tuple[float, float] | None = None) -> Normalize:
     """A scale for values; not finite ones do not count.
 
@@ -154,7 +163,7 @@ def norm(values: ArrayLike, scale: Scale, limits: tuple[float, float] | None = N
             raise ClerestoryError(f"a logarithmic scale cannot begin at {low:g} (give limits above 0)")
     if not low < high:
         raise ClerestoryError(f"a scale cannot reach from {low:g} to {high:g} (give the lower limit first)")
-    return LogNorm(low, high) if scale == "log" else Normalize(low, high)
+    return FlooredLogNorm(low, high) if scale == "log" else Normalize(low, high)
 
 
 def mappable(scale: Normalize) -> ScalarMappable:

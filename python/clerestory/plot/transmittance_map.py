@@ -50,7 +50,7 @@ def transmittance_map(
     limits
         Ends of the scale; 0 to the largest value by default, or even to both sides of 0 for a difference.
     pixels
-        Width of the disk in pixels; by default 360 for a matrix and 90 for models that must be integrated anew for
+        Width of the disk in pixels; by default 360 for a matrix and 180 for models that must be integrated anew for
         each direction.
     scatter, band, projection, ax
         As for `hemisphere`.
@@ -62,7 +62,7 @@ def transmittance_map(
     """
     members = [bsdf] if minus is None else [bsdf, minus]
     models = [b.model(side, scatter, band) for b in members]
-    count = pixels or (360 if all(model.kind == "matrix" for model, _ in models) else 90)
+    count = pixels or (360 if all(model.kind == "matrix" for model, _ in models) else 180)
     directions = disk.pixels(count, side, projection)
     values = direct_hemispherical_at(bsdf, directions, side, scatter, band)
     symbol = f"${'T' if scatter == 'transmission' else 'R'}_{{\\mathrm{{d‐h}}}}$"
