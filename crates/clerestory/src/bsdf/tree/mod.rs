@@ -9,8 +9,11 @@
 //! where bit k of n is set. An entry is a value (the bits of a float that is not negative) or, with the highest bit set,
 //! the number of a block.
 
+mod assembler;
+mod build;
 mod cells;
 mod code;
+mod combine;
 mod sampling;
 #[cfg(test)]
 mod testing;
@@ -25,6 +28,7 @@ use crate::direction::Disk;
 use crate::error::{Error, Result};
 use sampling::Slices;
 
+pub use build::Grid;
 pub use cells::OutgoingCell;
 pub use text::{Clamped, parse};
 
