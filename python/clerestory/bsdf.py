@@ -14,11 +14,13 @@ from clerestory.metadata import Metadata
 from clerestory.model import Model
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Iterable, Mapping
 
     from numpy.typing import ArrayLike, NDArray
 
     from clerestory.directions import Scatter, Side
+    from clerestory.files import Target
 
 Part = Literal["all", "scattered", "direct"]
 
@@ -140,6 +142,35 @@ class Bsdf(Operations):
         from clerestory.describe import as_html
 
         return as_html(self)
+
+    def write(self, path: str | os.PathLike[str], *, target: Target = "plain") -> list[str]:
+        """Write a file, whole or not at all.
+
+        Parameters
+        ----------
+        path
+            `.xml`, `.xml.gz` or, for Clerestory's own file that holds every kind of model, `.bsdf.npz`.
+        target
+            Program that the XML file is for. `plain` keeps all; `radiance` keeps visible light and its colour;
+            `window` and `energyplus` ask for solar and visible data on a Klems basis and for thermal data.
+
+        Returns
+        -------
+        list of str
+            What the target could not take or what was filled in for it.
+
+        Raises
+        ------
+        UnsupportedError
+            XML cannot hold such models: convert them first.
+        MissingDataError
+            The target needs something that the data set does not hold; the text names it.
+        OSError
+            The file cannot be written.
+        """
+        from clerestory.files import write
+
+        return write(self, path, target=target)
 
     @property
     def metadata(self) -> Metadata:

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import os
+import tempfile
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from clerestory import _core
 from clerestory.basis import Basis
 from clerestory.bsdf import Bsdf
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Iterator
 
     from clerestory.directions import Scatter, Side
+
+Target = Literal["plain", "radiance", "window", "energyplus"]
 
 
 def read(
@@ -66,6 +69,47 @@ def read(
         named_basis = Basis.named(basis) if isinstance(basis, str) else basis
         core = _core.Bsdf.from_xml(data, side, scatter, None if named_basis is None else named_basis._core, band)
     return Bsdf(core)
+
+
+def write(bsdf: Bsdf, path: str | os.PathLike[str], *, target: Target = "plain") -> list[str]:
+    """Write a data set: the function behind `Bsdf.write`."""
+    path = Path(path)
+    name = path.name.lower()
+    with named(path):
+        if name.endswith(".npz"):
+            if target != "plain":
+                raise _core.ClerestoryError(f"{target} reads no .npz (write an .xml for it)")
+            import_module("clerestory.npz").save(bsdf, path)
+            return []
+        if not name.endswith((".xml", ".xml.gz")):
+            raise _core.ClerestoryError("the name does not tell the format (end it with .xml, .xml.gz or .bsdf.npz)")
+        data, notes = bsdf._core.to_xml(target, name.endswith(".gz"))
+    write_whole(path, data)
+    return notes
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Write a file whole or not at all: into a neighbour first, which then takes the name."""
+    if path.exists() and not path.is_file() and not path.is_dir():
+        path.write_bytes(data)  # a pipe or a device, such as /dev/stdout
+        return
+    path = path.resolve()  # a link stays a link, and what it points to is replaced
+    try:
+        handle, neighbour = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    except OSError as error:
+        error.filename = str(path)
+        raise
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        # mkstemp keeps files private; this one has the rights of any new file.
+        mask = os.umask(0)
+        os.umask(mask)
+        Path(neighbour).chmod(0o666 & ~mask)
+        Path(neighbour).replace(path)
+    except BaseException:
+        Path(neighbour).unlink(missing_ok=True)
+        raise
 
 
 @contextmanager

@@ -2,9 +2,11 @@
 
 use clerestory::bsdf::{Element, Metadata};
 use clerestory::io::xml::fields::{FIELDS, Field, Kind};
-use clerestory::io::xml::{Hints, read};
+use clerestory::io::gzip::deflate;
+use clerestory::io::xml::{Hints, Target, read, write};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
+use pyo3::types::PyBytes;
 
 use crate::arrays::{scatter, side};
 use crate::basis::PyBasis;
@@ -74,6 +76,17 @@ impl PyBsdf {
             band,
         };
         py.detach(|| read(&data, &hints)).map(Self).map_err(raise)
+    }
+
+    /// The file for a program, and notes on what it could not take.
+    fn to_xml<'py>(&self, py: Python<'py>, target: &str, gzip: bool) -> PyResult<(Bound<'py, PyBytes>, Vec<String>)> {
+        let (bytes, notes) = py
+            .detach(|| {
+                let (bytes, notes) = write(&self.0, Target::named(target)?)?;
+                Ok((if gzip { deflate(&bytes) } else { bytes }, notes))
+            })
+            .map_err(raise)?;
+        Ok((PyBytes::new(py, &bytes), notes))
     }
 
     /// All metadata.

@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use clerestory::bsdf::{Model, Part, Scatterer};
+use clerestory::bsdf::{Bsdf, Model, Part, Scatterer};
 use clerestory::direction::{Disk, Scatter, Side};
-use clerestory::io::xml::{Hints, read};
+use clerestory::io::xml::{Hints, Target, read, write};
 
 /// The folder of the sample data, by `CLERESTORY_DATA` or beside the repository.
 fn samples() -> Option<PathBuf> {
@@ -151,7 +151,7 @@ fn faults_of_real_files_are_named() {
             "line 1: text stands before the XML",
         ),
         ("CS-TBK7-12_112916.xml.gz", "written \"solar\" instead of \"Solar\""),
-        ("blinds30.xml", "contradicts their direction"),
+        ("blinds30.xml", "label of the wrong direction"),
         (
             "ec60.xml",
             "Reflection Back of band \"solar\" is the same, value for value, as Transmission Front",
@@ -160,5 +160,64 @@ fn faults_of_real_files_are_named() {
         let bytes = fs::read(folder.join("klems").join(name)).unwrap();
         let warnings = read(&bytes, &Hints::default()).unwrap().warnings;
         assert!(warnings.iter().any(|w| w.contains(fault)), "{name}: {warnings:?}");
+    }
+}
+
+#[test]
+fn writing_and_reading_again_loses_nothing() {
+    let Some(folder) = samples() else {
+        eprintln!("skipped: no sample data");
+        return;
+    };
+    let mut seen = 0;
+    for kind in ["klems", "tensortree"] {
+        for entry in fs::read_dir(folder.join(kind)).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_string_lossy().to_lowercase();
+            if !(name.ends_with(".xml") || name.ends_with(".xml.gz")) {
+                continue;
+            }
+            let first = read(&fs::read(&path).unwrap(), &Hints::default()).unwrap();
+            let (written, notes) = write(&first, Target::Plain).unwrap();
+            assert_eq!(notes, Vec::<String>::new(), "{name}");
+            let second = read(&written, &Hints::default()).unwrap();
+            assert_eq!(second.metadata, first.metadata, "{name}");
+            assert_same_models(&first, &second, &name);
+            assert_eq!(write(&second, Target::Plain).unwrap().0, written, "{name}");
+            let remaining: Vec<&String> = second
+                .warnings
+                .iter()
+                .filter(|w| !w.contains("negative") && !w.contains("value for value"))
+                .collect();
+            assert!(remaining.is_empty(), "{name}: {remaining:?}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 30, "{seen}");
+}
+
+fn assert_same_models(a: &Bsdf, b: &Bsdf, name: &str) {
+    let described = |bsdf: &Bsdf| -> Vec<String> {
+        bsdf.bands()
+            .iter()
+            .map(|b| format!("{} {:?} {:?}", b.name, b.source_spectrum, b.detector_spectrum))
+            .collect()
+    };
+    assert_eq!(described(a), described(b), "{name}");
+    for (x, y) in a.bands().iter().zip(b.bands()) {
+        for side in Side::BOTH {
+            for scatter in Scatter::BOTH {
+                match (x.get(side, scatter).map(|m| &**m), y.get(side, scatter).map(|m| &**m)) {
+                    (None, None) => {}
+                    (Some(Model::Matrix(m)), Some(Model::Matrix(n))) => {
+                        assert!(m == n, "{name} {} {side:?} {scatter:?}", x.name);
+                        assert_eq!(m.incident().name(), n.incident().name());
+                        assert_eq!(m.outgoing().name(), n.outgoing().name());
+                    }
+                    (Some(Model::Tree(m)), Some(Model::Tree(n))) => assert!(m == n, "{name}"),
+                    _ => panic!("{name} {} {side:?} {scatter:?} differ in kind", x.name),
+                }
+            }
+        }
     }
 }

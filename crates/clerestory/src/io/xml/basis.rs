@@ -176,6 +176,9 @@ fn listing(node: &Node<'_>, name: &str, decoder: &mut Decoder<'_, '_>) -> Result
     })
 }
 
+/// Incident and outgoing basis, and what is to be warned of.
+pub(super) type Settled = (Arc<Basis>, Arc<Basis>, Option<String>);
+
 /// Why a pair of bases could not be found.
 pub(super) struct Misfit {
     pub what: String,
@@ -188,7 +191,7 @@ pub(super) fn settle(
     outgoing: &Choice,
     hint: Option<&Arc<Basis>>,
     count: usize,
-) -> std::result::Result<(Arc<Basis>, Arc<Basis>, Option<String>), Misfit> {
+) -> std::result::Result<Settled, Misfit> {
     let fits = |i: &Basis, o: &Basis| i.len().checked_mul(o.len()) == Some(count);
     // What the person says goes first.
     if let Some(hint) = hint.filter(|h| fits(h, h)) {

@@ -155,7 +155,7 @@ fn has_decimal_commas(text: &[u8]) -> bool {
         .take(WORDS)
     {
         let word = word.strip_suffix(b",").or(word.strip_suffix(b";")).unwrap_or(word);
-        let commas = word.iter().filter(|&&c| c == b',').count();
+        let commas = memchr::memchr_iter(b',', word).count();
         if commas > 1 || word.contains(&b'.') {
             return false;
         }

@@ -124,21 +124,16 @@ impl Decoder<'_, '_> {
         let mut rest = trimmed;
         while let Some((before, after)) = rest.split_once('&') {
             text.push_str(before);
-            match reference(after) {
-                Some((c, length)) => {
-                    text.push(c);
-                    rest = &after[length..];
-                }
-                None => {
-                    let word = after.split(char::is_whitespace).next().unwrap_or_default();
-                    let what = format!(
-                        "{} is no reference that XML knows; kept as it is",
-                        shortened(&format!("&{word}"))
-                    );
-                    self.faults.warn(node.at, node.name, what);
-                    text.push('&');
-                    rest = after;
-                }
+            if let Some((c, length)) = reference(after) {
+                text.push(c);
+                rest = &after[length..];
+            } else {
+                let word = after.split(char::is_whitespace).next().unwrap_or_default();
+                let word = shortened(&format!("&{word}"));
+                let what = format!("{word} is no reference that XML knows; kept as it is");
+                self.faults.warn(node.at, node.name, what);
+                text.push('&');
+                rest = after;
             }
         }
         text.push_str(rest);
@@ -207,7 +202,7 @@ pub(super) fn check_material(node: &Node<'_>, decoder: &mut Decoder<'_, '_>) -> 
                     "give 0 or more",
                 ));
             }
-            Ok(value) if !is_size && !(value >= 0.0 && value.is_finite()) => {
+            Ok(value) if !is_size && (value < 0.0 || !value.is_finite()) => {
                 decoder
                     .faults
                     .warn(child.at, child.name, format!("{value} makes no sense"));

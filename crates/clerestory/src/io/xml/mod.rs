@@ -15,8 +15,15 @@ mod metadata;
 mod names;
 mod read;
 mod scan;
+mod target;
+mod write;
 
 pub use read::{Hints, read};
+pub use target::Target;
+pub use write::write;
+
+/// Path of the one `<Layer>`.
+const LAYER: &str = "WindowElement/Optical/Layer";
 
 /// How the comment that names this program begins.
 const WRITTEN_BY: &str = "Written by Clerestory";

@@ -63,6 +63,14 @@ pub(super) fn direction(side: Side, scatter: Scatter) -> &'static str {
     }
 }
 
+/// What a file calls the values of a direction.
+pub(super) fn data_type(scatter: Scatter) -> &'static str {
+    match scatter {
+        Scatter::Transmission => "BTDF",
+        Scatter::Reflection => "BRDF",
+    }
+}
+
 /// The reverse of [`direction`].
 pub(super) fn direction_from_file(text: &str) -> Option<(Side, Scatter)> {
     Side::BOTH

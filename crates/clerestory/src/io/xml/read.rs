@@ -9,7 +9,7 @@ use super::basis::Bases;
 use super::blocks::{Block, Parsed, Shape};
 use super::metadata::{Decoder, Encoding, check_material, refuse_wide};
 use super::scan::{Document, Node, scan, shortened};
-use super::{Faults, WRITTEN_BY, names, place};
+use super::{Faults, LAYER, WRITTEN_BY, names, place};
 use crate::basis::Basis;
 use crate::bsdf::{Band, Bsdf, Element, Metadata, Model, Rank};
 use crate::direction::{Scatter, Side};
@@ -163,8 +163,6 @@ struct Reader<'d, 'f, 'h> {
     mislabelled: usize,
 }
 
-const LAYER: &str = "WindowElement/Optical/Layer";
-
 impl<'d> Reader<'d, '_, '_> {
     fn fail<T>(&self, node: &Node<'_>, what: impl Into<String>, remedy: impl Into<String>) -> Result<T> {
         Err(Error::format(place(self.bytes, node.at, node.name), what, remedy))
@@ -274,15 +272,11 @@ impl<'d> Reader<'d, '_, '_> {
             );
         }
         if self.mislabelled > 0 {
-            self.decoder.faults.warn(
-                layer.at,
-                layer.name,
-                format!(
-                    "<ScatteringDataType> of {} blocks contradicts their direction (BTDF for reflection); the direction \
-                     counts",
-                    self.mislabelled
-                ),
+            let what = format!(
+                "{} blocks with the label of the wrong direction (BTDF for reflection)",
+                self.mislabelled
             );
+            self.decoder.faults.warn(layer.at, "ScatteringDataType", what);
         }
         Ok(())
     }
