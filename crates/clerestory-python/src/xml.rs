@@ -1,8 +1,8 @@
 //! BSDF XML and the metadata that it carries.
 
 use clerestory::bsdf::{Element, Metadata};
-use clerestory::io::xml::fields::{FIELDS, Field, Kind};
 use clerestory::io::gzip::deflate;
+use clerestory::io::xml::fields::{FIELDS, Field, Kind};
 use clerestory::io::xml::{Hints, Target, read, write};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;

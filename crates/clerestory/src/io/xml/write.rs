@@ -297,18 +297,17 @@ impl Writer {
         self.close("WavelengthData");
     }
 
-    /// Values as Columns: a line an outgoing patch.
+    /// Values as Columns: a line an outgoing patch. A comma behind each, also at the ends of lines, since LBNL's parser
+    /// does not take a line end alone for a separator.
     fn matrix(&mut self, matrix: &Matrix) {
         let (n_in, n_out) = (matrix.incident().len(), matrix.outgoing().len());
-        for row in transposed(matrix.values(), n_in, n_out).chunks_exact(n_in) {
-            for (k, &value) in row.iter().enumerate() {
-                if k > 0 {
-                    self.out.push(b' ');
-                }
-                self.number(value);
+        for (k, &value) in transposed(matrix.values(), n_in, n_out).iter().enumerate() {
+            if k > 0 {
+                self.raw(if k.is_multiple_of(n_in) { ",\n" } else { ", " });
             }
-            self.out.push(b'\n');
+            self.number(value);
         }
+        self.out.push(b'\n');
     }
 
     fn number(&mut self, value: f64) {
