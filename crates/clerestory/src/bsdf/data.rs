@@ -221,6 +221,21 @@ impl Bsdf {
     /// Bands of several data sets of one sample as one. The metadata of the first is kept, with the `<Material>` fields
     /// that only others have.
     pub fn merged(sets: &[Self]) -> Result<Self> {
+        for (k, set) in sets.iter().enumerate() {
+            let twice = |b: &&Band| {
+                sets[..k]
+                    .iter()
+                    .any(|s| s.bands.iter().any(|other| other.name == b.name))
+            };
+            if let Some(band) = set.bands.iter().find(twice) {
+                return Err(Error::Argument(format!(
+                    "more than one data set holds band {:?}: number {} does too (rename the band in one of them, or leave \
+                     it out)",
+                    band.name,
+                    k + 1
+                )));
+            }
+        }
         let bands = sets.iter().flat_map(|s| s.bands.iter().cloned()).collect();
         let mut metadata = sets.first().map(|s| s.metadata.clone()).unwrap_or_default();
         for set in sets.iter().skip(1) {

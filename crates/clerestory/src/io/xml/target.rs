@@ -172,7 +172,32 @@ fn for_window(bsdf: &Bsdf, target: Target, notes: &mut Vec<String>) -> Result<Bs
         .filter(|n| !matches!(*n, "solar" | "visible"))
         .collect();
     left_out(&names, target, notes);
-    with_bands(bsdf, bands, bsdf.metadata.clone())
+    let mut metadata = bsdf.metadata.clone();
+    in_millimetres(&mut metadata);
+    // LBNL's parser ends in a crash without the first two.
+    for (field, text) in [
+        ("Name", "unnamed"),
+        ("Manufacturer", "unknown"),
+        ("DeviceType", "Other"),
+    ] {
+        if metadata.material_text(field).is_none() {
+            notes.push(format!("<{field}> is not known; {text:?} is written"));
+            metadata.set_material(field, text, None);
+        }
+    }
+    with_bands(bsdf, bands, metadata)
+}
+
+/// Sizes in millimetres, as WINDOW writes them: some of its readers do not look at the unit.
+fn in_millimetres(metadata: &mut Metadata) {
+    for field in ["Thickness", "Width", "Height"] {
+        if let Some(metres) = metadata.material_length_m(field) {
+            // Nine decimals are a picometre, and hide the rounding of the change of unit.
+            let text = format!("{:.9}", metres * 1000.0);
+            let text = text.trim_end_matches('0').trim_end_matches('.');
+            metadata.set_material(field, text, Some("Millimeter"));
+        }
+    }
 }
 
 /// Fails with the names of all that is missing and how to give it.

@@ -250,51 +250,57 @@ impl Writer {
         self.close("AngleBasis");
     }
 
+    /// One `<WavelengthData>` a block, as WINDOW writes them: LBNL's parser reads only the first block of each.
     fn band(&mut self, band: &Band, layer_number: &str, bases: &Bases) {
-        self.open("WavelengthData");
-        self.leaf("LayerNumber", layer_number);
-        let (unit, text) = names::band_in_file(&band.name);
-        self.indent();
-        self.raw(&format!("<Wavelength unit=\"{unit}\">"));
-        self.text(&text);
-        self.raw("</Wavelength>\n");
-        for (name, spectrum) in [
-            ("SourceSpectrum", &band.source_spectrum),
-            ("DetectorSpectrum", &band.detector_spectrum),
-        ] {
-            if let Some(spectrum) = spectrum {
-                self.leaf(name, spectrum);
-            }
-        }
+        let (unit, wavelength) = names::band_in_file(&band.name);
         for (side, scatter, model) in band.components() {
+            self.open("WavelengthData");
+            self.leaf("LayerNumber", layer_number);
+            self.indent();
+            self.raw(&format!("<Wavelength unit=\"{unit}\">"));
+            self.text(&wavelength);
+            self.raw("</Wavelength>\n");
+            for (name, spectrum) in [
+                ("SourceSpectrum", &band.source_spectrum),
+                ("DetectorSpectrum", &band.detector_spectrum),
+            ] {
+                if let Some(spectrum) = spectrum {
+                    self.leaf(name, spectrum);
+                }
+            }
             self.open("WavelengthDataBlock");
             self.leaf("WavelengthDataDirection", names::direction(side, scatter));
-            let data_type = names::data_type(scatter);
-            match &**model {
-                Model::Matrix(matrix) => {
-                    for (element, basis) in [
-                        ("ColumnAngleBasis", matrix.incident()),
-                        ("RowAngleBasis", matrix.outgoing()),
-                    ] {
-                        self.leaf(element, bases.find(basis).unwrap_or_default());
-                    }
-                    self.leaf("ScatteringDataType", data_type);
-                    self.raw("<ScatteringData>\n");
-                    self.matrix(matrix);
-                }
-                Model::Tree(tree) => {
-                    self.leaf("AngleBasis", names::TREE_BASIS);
-                    self.leaf("ScatteringDataType", data_type);
-                    self.raw("<ScatteringData>\n");
-                    tree.write_text(&mut self.out);
-                }
-                // Other models were refused when the data set was fitted to its target.
-                _ => {}
-            }
-            self.raw("</ScatteringData>\n");
+            self.values(model, names::data_type(scatter), bases);
             self.close("WavelengthDataBlock");
+            self.close("WavelengthData");
         }
-        self.close("WavelengthData");
+    }
+
+    /// Bases, data type and values of a model.
+    fn values(&mut self, model: &Model, data_type: &str, bases: &Bases) {
+        match model {
+            Model::Matrix(matrix) => {
+                for (element, basis) in [
+                    ("ColumnAngleBasis", matrix.incident()),
+                    ("RowAngleBasis", matrix.outgoing()),
+                ] {
+                    self.leaf(element, bases.find(basis).unwrap_or_default());
+                }
+                self.leaf("ScatteringDataType", data_type);
+                self.raw("<ScatteringData>\n");
+                self.matrix(matrix);
+                self.raw("</ScatteringData>\n");
+            }
+            Model::Tree(tree) => {
+                self.leaf("AngleBasis", names::TREE_BASIS);
+                self.leaf("ScatteringDataType", data_type);
+                self.raw("<ScatteringData>\n");
+                tree.write_text(&mut self.out);
+                self.raw("\n</ScatteringData>\n");
+            }
+            // Other models were refused when the data set was fitted to its target.
+            _ => {}
+        }
     }
 
     /// Values as Columns: a line an outgoing patch. A comma behind each, also at the ends of lines, since LBNL's parser
