@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from clerestory.directions import Scatter, Side
 
 _Floats: TypeAlias = NDArray[np.float64]
+_Entries: TypeAlias = NDArray[np.uint32]
 _Indices: TypeAlias = NDArray[np.int64]
 _Flags: TypeAlias = NDArray[np.bool_]
 _Region: TypeAlias = tuple[tuple[float, float], float, float] | tuple[Basis, list[int]]
@@ -101,6 +102,7 @@ class Bsdf:
     def with_mixture(self, name: str, parts: list[tuple[str, float]]) -> Bsdf: ...
     def with_near_infrared(self, visible_share: float) -> Bsdf: ...
     def with_renamed_band(self, old: str, new: str) -> Bsdf: ...
+    def with_warnings(self, warnings: list[str]) -> Bsdf: ...
     @staticmethod
     def from_xml(
         data: bytes,
@@ -131,6 +133,17 @@ class Model:
     @staticmethod
     def mixture(parts: list[tuple[float, Model]]) -> Model: ...
     def reciprocity_error(self, back: Model) -> float | None: ...
+    def to_parts(
+        self,
+    ) -> tuple[str, list[tuple[str, float]], list[Basis], list[tuple[str, _Floats | _Entries]], list[Model]]: ...
+    @staticmethod
+    def from_parts(
+        kind: str,
+        numbers: list[tuple[str, float]],
+        bases: list[Basis],
+        arrays: list[tuple[str, _Floats | _Entries]],
+        models: list[Model],
+    ) -> Model: ...
     @property
     def kind(self) -> str: ...
     def matrix_parts(self) -> tuple[Basis, Basis, _Floats, _Floats | None]: ...

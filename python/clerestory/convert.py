@@ -10,6 +10,7 @@ import numpy as np
 from clerestory.basis import Basis
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Callable, Iterable, Mapping
     from typing import Self
 
@@ -194,6 +195,20 @@ class Operations:
     def renamed_band(self, old: str, new: str) -> Self:
         """With a band under another name, in lower case."""
         return type(self)(self._core.with_renamed_band(old, new))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write Clerestory's own file (`.bsdf.npz`), which holds all of the data set; `clerestory.read` reads it.
+
+        It is written whole or not at all.
+
+        Raises
+        ------
+        OSError
+            The file cannot be written.
+        """
+        from clerestory.npz import save
+
+        save(self, path)
 
     def _chosen(self, bands: Iterable[str] | None) -> _core.Bsdf:
         if bands is None:

@@ -10,6 +10,7 @@ mod convert;
 mod errors;
 mod jobs;
 mod model;
+mod npz;
 mod system;
 mod xml;
 

@@ -15,6 +15,7 @@ mod metadata;
 mod mixture;
 mod model;
 pub mod normalise;
+pub mod parts;
 mod peaks;
 pub mod reciprocity;
 mod reversed;
