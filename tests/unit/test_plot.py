@@ -6,11 +6,14 @@ import sys
 import matplotlib
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import Axes3D
 
 from clerestory import Basis, Bsdf, ClerestoryError, MissingDataError, Model, plot
 from clerestory.bsdf import Region
 from clerestory.directions import direction
-from clerestory.plot import disk
+from clerestory.plot import disk, style
 
 KLEMS = Basis.named("klems-full")
 
@@ -295,3 +298,293 @@ def test_the_disk_puts_directions_where_they_belong():
         assert disk.project(direction(45, 180, side=side), "polar") == pytest.approx([-0.5, 0])
         assert disk.project(direction(30, 0, side=side), "orthographic") == pytest.approx([0.5, 0])
         assert disk.project(direction(0, 0, side=side), "polar") == pytest.approx([0, 0])
+
+
+def test_zero_on_a_logarithmic_scale_is_dark_and_not_missing(diffuser):
+    values = np.zeros((len(KLEMS), len(KLEMS)))
+    values[0] = 2.0
+    bsdf = Bsdf.from_models({("exterior", "transmission"): Model.matrix(values, KLEMS)})
+    figure = plot.hemisphere(bsdf, 1, pixels=60)
+    image = figure.axes[0].images[0]
+    colours = image.to_rgba(image.get_array())
+    assert colours[10, 30] == pytest.approx(style.colours().get_under())
+    assert colours[30, 30] == pytest.approx(style.colours()(1.0))
+    assert colours[0, 0, 3] == 0.0
+    dark = plot.hemisphere(Bsdf.from_models({("exterior", "transmission"): Model.lambertian(0.0)}), 1, pixels=20)
+    assert "= 0" in texts(dark)
+
+
+def written(axes):
+    """Numbers written into patches, by place."""
+    return {t.get_text(): np.array(t.get_position()) for t in axes.texts}
+
+
+def test_patches_hold_means_and_numbers_stand_in_them(redirecting):
+    figure = plot.patches(redirecting, 88, show="number")
+    shown = np.asarray(figure.axes[0].collections[0].get_array())
+    model, _ = redirecting.model("exterior", "transmission")
+    assert shown == pytest.approx(model.values[:, 87])
+    assert np.sum(shown * KLEMS.projected_solid_angles) == pytest.approx(
+        float(redirecting.integrate(direction(50, 90), "transmission"))
+    )
+    places = written(figure.axes[0])
+    for number in range(1, 146):
+        x, y = places[f"{number}"]
+        theta, phi = np.hypot(x, y) * 90, np.degrees(np.arctan2(y, x))
+        assert KLEMS.index_of_outgoing(direction(theta, phi, side="interior")) == number - 1
+        path = figure.axes[0].collections[0].get_paths()[number - 1]
+        assert path.contains_point((x, y))
+
+
+def test_peaks_count_in_patches(fabric):
+    shown = np.asarray(plot.patches(fabric, 41).axes[0].collections[0].get_array())
+    expected = np.full(len(KLEMS), 0.2 / np.pi)
+    expected[40] += 0.05 / KLEMS.projected_solid_angles[40]
+    assert shown == pytest.approx(expected, rel=1e-6)
+    flux = plot.patches(fabric, 41, quantity="dsf").axes[0].collections[0].get_array() * KLEMS.solid_angles
+    assert flux.sum() == pytest.approx(0.25, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["klems-full", "klems-half", "klems-quarter", "tregenza"])
+@pytest.mark.parametrize("show", ["number", "both"])
+def test_words_in_patches_do_not_leave_them(redirecting, name, show):
+    basis = Basis.named(name)
+    figure = plot.patches(redirecting, 41, basis=basis, show=show)
+    figure.draw_without_rendering()
+    ax = figure.axes[0]
+    paths = ax.collections[0].get_paths()
+    words = [t for t in ax.texts if t.get_text().split("\n")[0].isdigit()]
+    assert len(words) == len(basis)
+    for t in words:
+        box = t.get_window_extent().transformed(ax.transData.inverted())
+        corners = [(x, y) for x in (box.x0, box.x1) for y in (box.y0, box.y1)]
+        inside = sum(paths[int(t.get_text().split("\n")[0]) - 1].contains_point(c) for c in corners)
+        assert inside >= 3, t.get_text()
+        assert t.get_fontsize() >= 4
+
+
+def test_bare_bases_show_where_light_comes_from_or_goes():
+    for of, sign in (("outgoing", -1), ("incident", 1)):
+        figure = plot.basis_patches(KLEMS, of=of, marked=[41, 88])
+        places = written(figure.axes[0])
+        # Patch 41 is a sun 30° above, whose light goes down.
+        assert places["41"] == pytest.approx([0, sign / 3], abs=0.01)
+        colours = figure.axes[0].collections[0].get_facecolor()
+        assert {i for i, c in enumerate(colours) if c[0] < 0.95} == {40, 87}
+    with pytest.raises(ClerestoryError, match="1 to 145"):
+        plot.basis_patches(KLEMS, marked=[146])
+
+
+def test_slices_are_cuts_along_the_light_s_way(redirecting, diffuser):
+    figure = plot.slices({"A": redirecting, "B": diffuser}, 88)
+    first, second = figure.axes[0].lines[:2]
+    alpha, values = first.get_data()
+    assert (alpha[0], alpha[-1]) == (-90, 90)
+    # A sun above: positive angles go down.
+    off = np.abs(np.abs(alpha) % 10 - 5) > 0.2
+    phi = np.where(alpha > 0, 270, 90)
+    expected = redirecting.evaluate(direction(50, 90), direction(np.abs(alpha), phi, side="interior"))
+    assert values[off][1:-1] == pytest.approx(expected[off][1:-1])
+    assert second.get_ydata() == pytest.approx(0.5 / np.pi)
+    assert alpha[np.argmax(values)] < -40
+    words = texts(figure)
+    for part in [
+        "A",
+        "B",
+        "90\ndownward",
+        "−90\nupward",
+        "BSDF [1/sr]",
+        "from above, 50° (Klems 88)",
+        "to the interior",
+    ]:
+        assert part in words
+
+
+def test_slices_show_peaks_as_stems_and_say_what_is_missing(fabric, redirecting):
+    figure = plot.slices({"fabric": fabric, "other": redirecting}, direction(40, 0))
+    words = texts(figure)
+    assert "fabric: peak 0.05 at 40°" in words
+    assert "transmittance of a peak" in words
+    stem = figure.axes[1].collections[0].get_segments()[0]
+    assert stem == pytest.approx(np.array([[40, 0], [40, 0.05]]))
+    assert "left" in words
+    figure = plot.slices({"fabric": fabric, "other": redirecting}, [1, 41], scatter="reflection")
+    assert "fabric (no data)" in texts(figure)
+
+
+def test_lines_are_distinct_for_twenty_sets():
+    looks = [str(sorted(style.line(n).items())) for n in range(20)]
+    assert len(set(looks)) == 20
+    assert all(style.line(n)["linestyle"] != style.line(n + 1)["linestyle"] for n in range(20))
+
+
+@pytest.mark.parametrize(("theta", "phi"), [(0, 0), (30, 90), (50, 200), (80, 270)])
+@pytest.mark.parametrize("scatter", ["transmission", "reflection"])
+def test_a_close_up_keeps_angles_and_directions(redirecting, theta, phi, scatter):
+    incident = direction(theta, phi)
+    figure = plot.close_up(redirecting, incident, half_width_deg=8, step_arcmin=30, scatter=scatter)
+    shown = picture(figure)
+    assert shown.shape == (32, 32)
+    side = "interior" if scatter == "transmission" else "exterior"
+    middle = direction(theta, phi + 180, side=side)
+    # By the book: great circles from the centre, found by rotating it about axes across the way.
+    offsets = (np.arange(32) - 15.5) * 0.5
+    for row, column in [(0, 0), (3, 29), (20, 11), (31, 16)]:
+        u, v = np.radians(offsets[column]), np.radians(offsets[row])
+        up = np.array([0, 1, 0]) - middle[1] * middle
+        up /= np.linalg.norm(up)
+        right = np.cross(up, middle)
+        right *= np.sign(right @ [1, 0, 0])
+        angle = np.hypot(u, v)
+        target = np.cos(angle) * middle + np.sin(angle) / angle * (u * right + v * up)
+        beyond = (target[2] > 0) != (side == "interior")
+        expected = np.nan if beyond else float(redirecting.evaluate(incident, target))
+        assert shown[row, column] == pytest.approx(expected, nan_ok=True)
+    assert "cells of 30'" in texts(figure)
+    assert "linear" in texts(figure)
+    assert "logarithmic" in texts(figure)
+
+
+def test_a_close_up_finds_the_peak(fabric):
+    figure = plot.close_up(fabric, direction(40, 0), scale="log")
+    assert "peak 0.05: to the left, 40°" in texts(figure)
+    rings = [m for m in figure.axes[0].lines if m.get_marker() == "o"]
+    assert rings[0].get_xydata() == pytest.approx(np.zeros((1, 2)), abs=1e-9)
+    with pytest.raises(ClerestoryError, match="not on the interior"):
+        plot.close_up(fabric, 1, centre=direction(0, 0))
+    with pytest.raises(ClerestoryError, match="smaller step"):
+        plot.close_up(fabric, 1, half_width_deg=0)
+
+
+@pytest.fixture
+def meshes(monkeypatch):
+    """Corners (n, m, 3) of the surfaces that are drawn, in matplotlib's axes."""
+    drawn = []
+    draw = Axes3D.plot_surface
+
+    def record(self, x, y, z, **kwargs):
+        drawn.append(np.stack([x, y, z], axis=-1))
+        return draw(self, x, y, z, **kwargs)
+
+    monkeypatch.setattr(Axes3D, "plot_surface", record)
+    return drawn
+
+
+def test_solids_are_long_where_the_light_goes(redirecting, meshes):
+    plot.photometric_solid(redirecting, 88, step_deg=3.6)
+    (corners,) = meshes
+    # Matplotlib's third axis is up, its second one points out of the room.
+    ours = np.stack([corners[..., 0], corners[..., 2], -corners[..., 1]], axis=-1)
+    radius = np.linalg.norm(ours, axis=-1)
+    farthest = ours[np.unravel_index(np.argmax(radius), radius.shape)]
+    assert np.max(radius) == pytest.approx(1.0)
+    assert farthest[1] > 0.3
+    assert farthest[2] > 0.3
+    some = radius > 0.05
+    way = ours[some] / radius[some][:, None]
+    expected = redirecting.evaluate(direction(50, 90), way) * way[:, 2]
+    assert radius[some] == pytest.approx(expected / np.max(expected), rel=1e-6)
+    # Closed all around.
+    assert corners[:, 0] == pytest.approx(corners[:, -1], abs=0)
+
+
+def test_solids_point_outdoors_for_reflection(redirecting, meshes):
+    figure = plot.photometric_solid(redirecting, 88, scatter="reflection", step_deg=5)
+    corners = meshes[0].reshape(-1, 3)
+    farthest = corners[np.argmax(np.linalg.norm(corners, axis=-1))]
+    assert farthest[0] > 0.3
+    assert farthest[1] > 0.3
+    assert "seen from outdoors" in texts(figure)
+
+
+@pytest.mark.parametrize("scale", ["log", "linear"])
+def test_mountains_are_as_high_as_the_bsdf(redirecting, scale, meshes):
+    plot.mountain(redirecting, 88, scale=scale, step_deg=5)
+    x, y, height = meshes[0].reshape(-1, 3).T
+    assert y[np.argmax(height)] > 0.5
+    z = np.sqrt(np.maximum(1 - x**2 - y**2, 1e-12))
+    expected = redirecting.evaluate(direction(50, 90), np.stack([x, y, z], axis=-1))
+    shown = 10**height if scale == "log" else height
+    assert shown == pytest.approx(expected, rel=1e-6)
+
+
+def test_solids_and_mountains_name_peaks(fabric):
+    for kind in (plot.photometric_solid, plot.mountain):
+        words = texts(kind(fabric, direction(40, 0), step_deg=10))
+        assert "peak 0.05: to the left, 40°" in words
+        assert "straight through: to the left, 40°" in words
+
+
+@pytest.mark.parametrize("side", ["exterior", "interior"])
+def test_maps_of_transmittance_stand_where_light_comes_from(side):
+    # Only light from above passes: it travels downward.
+    bsdf = Bsdf.from_models(
+        {(side, "transmission"): table(lambda o, t: np.where(t[..., 1] < -0.2, 0.3, 0.0) + 0 * o[..., 0])}
+    )
+    figure = plot.transmittance_map(bsdf, side=side, pixels=81)
+    shown = picture(figure)
+    theta, phi, _ = pixel_angles(81, "polar")
+    inside = np.isfinite(theta)
+    expected = bsdf.integrate(direction(theta[inside], phi[inside], side=side), "transmission")
+    assert np.mean(np.isclose(shown[inside], expected)) > 0.999
+    assert np.nanmean(shown[60:]) > 0.5
+    assert np.nanmean(shown[:20]) == 0.0
+    for part in ["from above", "incident directions, as seen from the room", f"light from the {side}"]:
+        assert part in texts(figure)
+
+
+def test_a_map_of_differences_is_even_about_zero(redirecting, diffuser):
+    figure = plot.transmittance_map(diffuser, minus=redirecting, label="B", minus_label="A", pixels=41)
+    theta, phi, _ = pixel_angles(41, "polar")
+    inside = np.isfinite(theta)
+    suns = direction(theta[inside], phi[inside])
+    expected = 0.5 - redirecting.integrate(suns, "transmission")
+    assert np.mean(np.isclose(picture(figure)[inside], expected)) > 0.999
+    low, high = figure.axes[0].images[0].get_clim()
+    assert low == -high
+    assert "B − A" in texts(figure)
+
+
+KINDS = {
+    "patches": lambda b, ax: plot.patches(b, 41, ax=ax),
+    "slices": lambda b, ax: plot.slices({"A": b, "B": b}, 41, ax=ax),
+    "close_up": lambda b, ax: plot.close_up(b, 41, ax=ax),
+    "photometric_solid": lambda b, ax: plot.photometric_solid(b, 41, step_deg=5, ax=ax),
+    "mountain": lambda b, ax: plot.mountain(b, 41, step_deg=5, ax=ax),
+    "transmittance_map": lambda b, ax: plot.transmittance_map(b, pixels=50, ax=ax),
+    "hemisphere": lambda b, ax: plot.hemisphere(b, 41, pixels=50, ax=ax),
+    "transmittance_bars": lambda b, ax: plot.transmittance_bars({"A": {"T_h-h": 0.1}}, ax=ax),
+    "hemisphere_grid": lambda b, ax: plot.hemisphere_grid({"A": b}, pixels=30),
+    "basis_patches": lambda b, ax: plot.basis_patches(KLEMS, ax=ax),
+}
+
+
+@pytest.mark.parametrize("kind", [k for k in KINDS if k != "hemisphere"])
+def test_every_kind_gives_the_same_file_each_time(fabric, tmp_path, kind):
+    for name in "ab":
+        plot.save(KINDS[kind](fabric, None), tmp_path / f"{name}.svg", dpi=40)
+    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
+
+
+@pytest.mark.parametrize("kind", [k for k in KINDS if k != "hemisphere_grid"])
+def test_every_kind_draws_on_axes_that_it_is_given(fabric, kind):
+    solid = kind in ("photometric_solid", "mountain")
+    figure = Figure(figsize=(12, 5))
+    FigureCanvasAgg(figure)
+    figure.add_subplot(1, 2, 1)
+    ax = figure.add_subplot(1, 2, 2, projection="3d" if solid else None)
+    assert KINDS[kind](fabric, ax) is figure
+    assert ax.has_data() or ax.collections
+    figure.canvas.draw()
+
+
+@pytest.mark.parametrize("kind", [k for k in KINDS if k not in ("transmittance_bars", "basis_patches")])
+def test_nothing_that_is_written_is_cut_off(redirecting, fabric, kind):
+    for bsdf in (redirecting, fabric):
+        figure = KINDS[kind](bsdf, None)
+        figure.draw_without_rendering()
+        width, height = figure.get_size_inches()
+        box = figure.get_tightbbox()
+        assert min(box.x0, box.y0) > -0.01
+        assert box.x1 < width + 0.01
+        assert box.y1 < height + 0.01

@@ -46,7 +46,7 @@ def mountain(
     Parameters
     ----------
     step_deg
-        Step of the azimuth [°], and of the polar angle in the mean.
+        Step of the polar angle in the mean [°]; that of the azimuth is twice as wide.
     ax
         Axes made with `projection="3d"`; a new figure by default.
     bsdf, incident, side, scatter, band, label, scale, quantity, limits
@@ -60,8 +60,7 @@ def mountain(
     view = View.of(bsdf, incident, side=side, scatter=scatter, band=band, label=label)
     # Equal steps on the disk, so that the mesh is as fine where sines crowd as elsewhere.
     theta = np.arcsin(np.linspace(0.0, 1.0, round(90.0 / step_deg) + 1))
-    phi = np.radians(np.linspace(0.0, 360.0, round(360.0 / (2.0 * step_deg)) + 1))
-    directions = surface.grid(theta, phi, view.outgoing_side)
+    directions = surface.grid(theta, round(180.0 / step_deg), view.outgoing_side)
     values = view.evaluate(directions, quantity)
     norm = style.norm(values, scale, limits)
     low, high = float(norm.vmin or 0.0), float(norm.vmax or 1.0)

@@ -208,12 +208,14 @@ def _write(
             sizes[i] = 2.0 * outer / np.hypot(width, height)
             continue
         azimuth, middle = np.radians(0.5 * (left + right) + turn_deg), 0.5 * (inner + outer)
-        radial, along = outer - inner, 2.0 * middle * np.tan(np.radians(0.5 * min(right - left, 90.0)))
+        # Sectors taper: what fits somewhat inward of the middle fits.
+        radial = outer - inner
+        along = 2.0 * (middle - 0.2 * radial) * np.tan(np.radians(0.5 * min(right - left, 90.0)))
         c, s = abs(np.cos(azimuth)), abs(np.sin(azimuth))
         # An upright box in a sector that is turned by the azimuth: its shadow on both of the sector's axes must fit.
         sizes[i] = min(radial / (width * c + height * s), along / (width * s + height * c))
         places.append((float(middle * np.cos(azimuth)), float(middle * np.sin(azimuth))))
-    points = np.minimum(0.95 * _RADIUS_PT * sizes, 9.0)
+    points = np.minimum(0.92 * _RADIUS_PT * sizes, 9.0)
     points = np.minimum(points, 1.2 * np.quantile(points, 0.25))
     for (x, y), words, ink, size in zip(places, lines, inks, points, strict=True):
         if words and size >= _LEAST_PT:

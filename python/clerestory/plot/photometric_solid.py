@@ -58,8 +58,7 @@ def photometric_solid(
     """
     view = View.of(bsdf, incident, side=side, scatter=scatter, band=band, label=label)
     theta = np.radians(np.linspace(0.0, 90.0, round(90.0 / step_deg) + 1))
-    phi = np.radians(np.linspace(0.0, 360.0, round(180.0 / step_deg) + 1))
-    directions = surface.grid(theta, phi, view.outgoing_side)
+    directions = surface.grid(theta, round(180.0 / step_deg), view.outgoing_side)
     values = view.evaluate(directions, "dsf")
     norm = style.norm(values, "linear", limits)
     top = float(norm.vmax or 1.0)

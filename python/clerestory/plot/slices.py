@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from clerestory.plot.view import Light
 
 _ASIDE_DEG = 1e-5
+"""Half the distance of the two cuts whose mean is shown."""
 _OFF_PLANE_DEG = 1.0
 """A peak this close to the plane is drawn in it."""
 
@@ -62,7 +63,8 @@ def slices(
     limits
         Ends of the axis [1/sr].
     step_deg
-        Distance of the points [°]; nothing is interpolated between the data's own cells.
+        Distance of the points [°]. Nothing is interpolated between the data's own cells; where the plane runs along
+        a border between cells, the mean of both is shown.
     side, scatter, band, quantity
         As for `hemisphere`.
     ax
@@ -120,8 +122,7 @@ def plane_azimuth_deg(source: Light) -> float:
 
 
 def _directions(alpha: NDArray[np.float64], azimuth_deg: float, side: Side) -> NDArray[np.float64]:
-    # The plane of a sun above is a border between cells of many data sets: a hair to its side all points see the same.
-    a, phi = np.radians(alpha), np.radians(azimuth_deg + _ASIDE_DEG)
+    a, phi = np.radians(alpha), np.radians(azimuth_deg)
     z = np.cos(a) if side == "interior" else -np.cos(a)
     return np.stack([np.sin(a) * np.cos(phi), np.sin(a) * np.sin(phi), z], axis=-1)
 
@@ -142,7 +143,9 @@ def _curve(
     azimuth = plane_azimuth_deg(source) if azimuth_deg is None else azimuth_deg
     # The plane's ends lie in the surface, where sides meet: a hair above it they belong to the side that is drawn.
     safe = np.clip(alpha, -90.0 + 1e-6, 90.0 - 1e-6)
-    return view, view.evaluate(_directions(safe, azimuth, view.outgoing_side), quantity)
+    # The plane of a sun above is a border between cells in many data sets: both sides of it count.
+    sides = [_directions(safe, azimuth + aside, view.outgoing_side) for aside in (-_ASIDE_DEG, _ASIDE_DEG)]
+    return view, 0.5 * (view.evaluate(sides[0], quantity) + view.evaluate(sides[1], quantity))
 
 
 def _draw(

@@ -25,9 +25,14 @@ def add_axes(figure: Figure) -> Axes3D:
     return cast("Axes3D", figure.add_subplot(projection="3d", computed_zorder=False))
 
 
-def grid(theta: NDArray[np.float64], phi: NDArray[np.float64], side: Side) -> NDArray[np.float64]:
-    """Directions (n, m, 3) for polar angles and azimuths [rad], a hair above the surface at 90°."""
-    t, p = np.meshgrid(np.minimum(theta, 0.5 * np.pi - 1e-7), phi, indexing="ij")
+def grid(theta: NDArray[np.float64], steps: int, side: Side) -> NDArray[np.float64]:
+    """Directions (n, steps + 1, 3) for polar angles [rad] and a whole turn.
+
+    The last column is the first again. The turn begins half a step beside the right, and ends a hair above the
+    surface: the axes and the horizon are borders between cells in many data sets, and would tear the mesh.
+    """
+    phi = (np.arange(steps) + 0.5) * (2.0 * np.pi / steps)
+    t, p = np.meshgrid(np.minimum(theta, 0.5 * np.pi - 1e-7), np.append(phi, phi[0]), indexing="ij")
     z = np.cos(t) if side == "interior" else -np.cos(t)
     return np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), z], axis=-1)
 
