@@ -41,7 +41,9 @@ class Block:
         """Kind and resolution in words."""
         if self.shape is not None:
             return f"{self.kind} {self.shape[0]} × {self.shape[1]}, {self.basis}"
-        return f"{self.kind}, {self.resolution_deg:.2g}° at normal" if self.resolution_deg > 0.0 else self.kind
+        if self.resolution_deg <= 0.0:
+            return self.kind
+        return f"{self.kind}, {self.resolution_deg:.{0 if self.resolution_deg >= 10.0 else 1}f}° at normal"
 
 
 def blocks(bsdf: Bsdf) -> list[Block]:

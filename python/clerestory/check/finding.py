@@ -1,0 +1,31 @@
+"""What a check says: how bad, what, where, and what to do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Severity = Literal["error", "warning", "note"]
+Purpose = Literal["illuminance", "glare", "ase"]
+SEVERITIES: tuple[Severity, Severity, Severity] = ("error", "warning", "note")
+PURPOSES: tuple[Purpose, Purpose, Purpose] = ("illuminance", "glare", "ase")
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that a person should know before using a data set."""
+
+    severity: Severity
+    """error: do not use it so; warning: find out first; note: good to know."""
+    check: str
+    """Which check it comes from, in one word."""
+    where: str
+    """Band, side, scatter and incident direction in words; empty for the whole data set."""
+    what: str
+    """What is wrong, with its figures."""
+    remedy: str
+    """What to do."""
+
+    def __str__(self) -> str:
+        place = f"{self.where}: " if self.where else ""
+        return f"{self.severity}: {place}{self.what}" + (f" ({self.remedy})" if self.remedy else "")
