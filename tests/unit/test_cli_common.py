@@ -21,7 +21,8 @@ from clerestory.cli.common import (
     one_of,
     print_json,
     refuse_overwriting,
-    side,
+    scatter_of,
+    side_of,
     table,
     write_whole,
 )
@@ -67,12 +68,13 @@ def test_numbers_and_names():
     assert numbers("5,15", "--ring", 2, "5,15") == (5.0, 15.0)
     with pytest.raises(UsageError, match="such as 5,15"):
         numbers("5", "--ring", 2, "5,15")
-    assert side("ext") == "exterior"
-    assert side("Interior") == "interior"
+    assert side_of("ext") == "exterior"
+    assert side_of("Interior") == "interior"
+    assert scatter_of("r") == "reflection"
     assert one_of("t", "--scatter", ("transmission", "reflection")) == "transmission"
     for text in ("", "front", "x"):
         with pytest.raises(UsageError, match="give exterior or interior"):
-            side(text)
+            side_of(text)
 
 
 @dataclass

@@ -20,7 +20,7 @@ from clerestory.cli.common import UsageError, in_one_line, is_expected
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_COMMANDS: tuple[str, ...] = ()
+_COMMANDS = ("info", "check", "query")
 
 app = typer.Typer(
     name="clerestory",

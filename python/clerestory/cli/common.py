@@ -14,7 +14,6 @@ import sys
 import tempfile
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,8 +22,9 @@ import typer
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
+    from clerestory.basis import Basis
     from clerestory.bsdf import Bsdf
-    from clerestory.directions import Side
+    from clerestory.directions import Scatter, Side
 
 FileArgument = Annotated[
     Path, typer.Argument(metavar="FILE", help="BSDF file: .xml, .xml.gz or .bsdf.npz.", show_default=False)
@@ -102,26 +102,34 @@ def warn(path: Path | str, text: str) -> None:
     typer.echo(f"warning: {path}: {' '.join(text.split())}", err=True)
 
 
-def read(path: Path, reader: Callable[[Path], Bsdf] | None = None) -> Bsdf:
+def read(
+    path: Path,
+    *,
+    show_warnings: bool = True,
+    side: Side | None = None,
+    scatter: Scatter | None = None,
+    basis: Basis | None = None,
+    band: str | None = None,
+) -> Bsdf:
     """Read a file and show what was faulty in it on standard error.
 
     Parameters
     ----------
     path
         The file.
-    reader
-        Function that reads it; `clerestory.read` by default.
+    show_warnings
+        False if the command itself says what is in `Bsdf.warnings`.
+    side, scatter, basis, band
+        What the file does not tell, see `clerestory.read`.
     """
+    import clerestory
+
     with about(path):
-        bsdf = (reader or _default_reader())(path)
-    for text in bsdf.warnings:
-        warn(path, text.removeprefix(f"{path}: "))
+        bsdf = clerestory.read(path, side=side, scatter=scatter, basis=basis, band=band)
+    if show_warnings:
+        for text in bsdf.warnings:
+            warn(path, text.removeprefix(f"{path}: "))
     return bsdf
-
-
-def _default_reader() -> Callable[[Path], Bsdf]:
-    read: Callable[[Path], Bsdf] = import_module("clerestory").read
-    return read
 
 
 def angle_pair(text: str, option: str) -> tuple[float, float]:
@@ -156,9 +164,14 @@ def one_of(text: str, option: str, names: Sequence[str]) -> str:
     raise UsageError(f"{option} {text}: not known (give {' or '.join(names)})")
 
 
-def side(text: str, option: str = "--side") -> Side:
-    """`exterior` or `interior`."""
+def side_of(text: str, option: str = "--side") -> Side:
+    """`exterior` or `interior`, or their first letters."""
     return "exterior" if one_of(text, option, SIDE_NAMES) == "exterior" else "interior"
+
+
+def scatter_of(text: str, option: str = "--scatter") -> Scatter:
+    """`transmission` or `reflection`, or their first letters."""
+    return "transmission" if one_of(text, option, SCATTER_NAMES) == "transmission" else "reflection"
 
 
 def say(text: str = "") -> None:
@@ -194,16 +207,16 @@ def plain(value: object) -> object:
     return plain(to_list()) if to_list is not None else str(value)
 
 
-def table(headers: Sequence[str], rows: Sequence[Sequence[str]], *, indent: str = "  ") -> str:
-    """Columns in plain text; the first is set left, the others right."""
+def table(headers: Sequence[str], rows: Sequence[Sequence[str]], *, left: int = 1) -> str:
+    """Columns in plain text; the first `left` are set left, the others right."""
     widths = [max(len(str(row[c])) for row in [headers, *rows]) for c in range(len(headers))]
     lines = []
     for row in [headers, *rows]:
         cells = [
-            str(cell).ljust(width) if c == 0 else str(cell).rjust(width)
+            str(cell).ljust(width) if c < left else str(cell).rjust(width)
             for c, (cell, width) in enumerate(zip(row, widths, strict=True))
         ]
-        lines.append((indent + "  ".join(cells)).rstrip())
+        lines.append(f"  {'  '.join(cells)}".rstrip())
     return "\n".join(lines)
 
 
