@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 import sys
 from importlib import import_module
+from inspect import cleandoc
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -20,14 +21,14 @@ from clerestory.cli.common import UsageError, in_one_line, is_expected
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_COMMANDS = ("info", "check", "query")
+_COMMANDS = ("info", "check", "query", "convert")
 
 app = typer.Typer(
     name="clerestory",
     add_completion=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # plain help: its layout takes a third of the time that rich's does
-    context_settings={"help_option_names": ["-h", "--help"]},
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
 )
 
 
@@ -53,8 +54,15 @@ def clerestory(
     del version  # its callback acts
 
 
+def _add(name: str) -> None:
+    """Add a command; the example at the end of its docstring is kept on a line of its own."""
+    command = getattr(import_module(f"clerestory.cli.{name}"), name)
+    text, _, example = cleandoc(command.__doc__).partition("\n\nExample: ")
+    app.command(name, help=text, epilog=f"\b\nExample: {example}")(command)
+
+
 for _name in _COMMANDS:
-    app.command(_name)(getattr(import_module(f"clerestory.cli.{_name}"), _name))
+    _add(_name)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

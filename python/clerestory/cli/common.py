@@ -11,7 +11,6 @@ import json
 import math
 import os
 import sys
-import tempfile
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from pathlib import Path
@@ -221,41 +220,29 @@ def table(headers: Sequence[str], rows: Sequence[Sequence[str]], *, left: int = 
 
 
 @contextmanager
-def progress(label: str, total: int) -> Iterator[Callable[[int], None]]:
-    """Show a bar on standard error while it is a terminal; the value is called with the steps that were done."""
+def progress(label: str) -> Iterator[Callable[[float], None]]:
+    """Show a bar on standard error if that is a terminal; the value is called with the share that is done, 0 to 1."""
     if not sys.stderr.isatty():
-        yield lambda _steps: None
+        yield lambda _share: None
         return
     from rich.console import Console
     from rich.progress import Progress
 
     with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(label, total=total)
-        yield lambda steps: bar.advance(task, steps)
+        task = bar.add_task(label, total=1.0)
+        yield lambda share: bar.update(task, completed=share)
 
 
 def write_whole(path: Path | str, data: bytes | str) -> None:
-    """Write a file whole or not at all: into a neighbour first, which then takes the name."""
+    """Write a file whole or not at all; text as UTF-8."""
+    from clerestory.files import write_whole as write
+
     path = Path(path)
-    content = data.encode("utf-8") if isinstance(data, str) else data
-    if path.exists() and not path.is_file() and not path.is_dir():
-        path.write_bytes(content)  # a pipe or a device, such as /dev/stdout
-        return
     if path.is_dir():
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if not path.parent.is_dir():
         raise CommandError(f"{path}: the folder {path.parent} does not exist (create it first)")
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        mask = os.umask(0)
-        os.umask(mask)
-        Path(name).chmod(0o666 & ~mask)
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+    write(path, data.encode("utf-8") if isinstance(data, str) else data)
 
 
 def refuse_overwriting(output: Path, inputs: Sequence[Path]) -> None:
