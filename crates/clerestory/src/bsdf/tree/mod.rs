@@ -14,6 +14,7 @@ mod build;
 mod cells;
 mod code;
 mod combine;
+mod reduce;
 mod sampling;
 #[cfg(test)]
 mod testing;
@@ -30,6 +31,7 @@ use sampling::Slices;
 
 pub use build::Grid;
 pub use cells::OutgoingCell;
+pub use reduce::Reduction;
 pub use text::{Clamped, parse};
 
 /// Marks an entry as the number of a block.

@@ -186,6 +186,31 @@ impl Slices {
     }
 }
 
+impl Slices {
+    /// Largest difference of direct-hemispherical values to those of another tree of this rank.
+    pub(super) fn worst_difference(&self, other: &Self) -> f64 {
+        PI * self.worst_mean(self.root, other, other.root)
+    }
+
+    fn worst_mean(&self, entry: u32, other: &Self, theirs: u32) -> f64 {
+        if (entry | theirs) & BRANCH == 0 {
+            return (self.distinct[entry as usize].mean - other.distinct[theirs as usize].mean).abs();
+        }
+        let below = |of: &Self, entry: u32, position: usize| match entry & BRANCH {
+            0 => entry,
+            _ => of.nodes[(entry & !BRANCH) as usize + position],
+        };
+        let positions = match self.rank {
+            // The upper half of the radius at the root is unused.
+            Rank::Isotropic if entry == self.root && theirs == other.root => 0..1,
+            _ => 0..1 << self.rank.incident_axes(),
+        };
+        positions
+            .map(|position| self.worst_mean(below(self, entry, position), other, below(other, theirs, position)))
+            .fold(0.0, f64::max)
+    }
+}
+
 impl Tree {
     /// Entries of a block's four outgoing quadrants for one of its incident positions.
     fn outgoing_children(&self, block: usize, position: usize) -> [u32; 4] {
