@@ -8,6 +8,7 @@ import numpy as np
 
 from clerestory import _core
 from clerestory.basis import Basis
+from clerestory.tree import TreeOperations
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -15,14 +16,11 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-class Model:
+class Model(TreeOperations):
     """How light from one side is transmitted or reflected.
 
     Models are put together to a data set by `Bsdf.from_models`.
     """
-
-    def __init__(self, core: _core.Model) -> None:
-        self._core = core
 
     @classmethod
     def matrix(

@@ -12,6 +12,7 @@ mod jobs;
 mod model;
 mod npz;
 mod system;
+mod tree;
 mod xml;
 
 use pyo3::prelude::*;

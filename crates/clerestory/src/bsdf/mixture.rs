@@ -1,9 +1,10 @@
 //! Weighted sums of models and of whole bands, for example a solar band from visible and near-infrared measurements.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::{Band, Bsdf, Component, Lambertian, Matrix, Model, Specular, Sum};
-use crate::direction::{Scatter, Side};
+use super::{Band, Bsdf, Component, Lambertian, Matrix, Model, Specular, Sum, Tree};
+use crate::direction::{HEMISPHERE, Scatter, Side};
 use crate::error::{Error, Result};
 
 impl Model {
@@ -25,6 +26,9 @@ impl Model {
                 "a {} model cannot be mixed with the negative weight {w} (convert all parts to matrices on one basis first)",
                 model.kind()
             )));
+        }
+        if let Some(tree) = of_trees(parts)? {
+            return Ok(Self::Tree(tree));
         }
         of_numbers(parts)?.map_or_else(|| Sum::new(parts.to_vec()).map(Self::Sum), Ok)
     }
@@ -69,6 +73,26 @@ fn of_matrices(parts: &[(f64, Component)]) -> Result<Option<Matrix>> {
             .map(Some),
         None => Ok(Some(mixed)),
     }
+}
+
+/// Tensor trees of one rank, with or without diffusers.
+fn of_trees(parts: &[(f64, Component)]) -> Result<Option<Tree>> {
+    let rank = parts.iter().find_map(|(_, model)| match &**model {
+        Model::Tree(tree) => Some(tree.rank()),
+        _ => None,
+    });
+    let Some(rank) = rank else { return Ok(None) };
+    let mut trees = Vec::with_capacity(parts.len());
+    for (w, model) in parts {
+        let tree = match &**model {
+            Model::Tree(tree) if tree.rank() == rank => Cow::Borrowed(tree),
+            Model::Lambertian(diffuse) => Cow::Owned(Tree::constant(rank, (diffuse.value() / HEMISPHERE) as f32)?),
+            _ => return Ok(None),
+        };
+        trees.push((*w, tree));
+    }
+    let parts: Vec<(f64, &Tree)> = trees.iter().map(|(w, tree)| (*w, &**tree)).collect();
+    Tree::mixture(&parts).map(Some)
 }
 
 /// Diffusers, or ideal beams of one value.
@@ -164,7 +188,7 @@ fn negatives(model: &Model) -> Option<String> {
 mod tests {
     use super::*;
     use crate::basis::Basis;
-    use crate::bsdf::{Metadata, Part, Scatterer};
+    use crate::bsdf::{Metadata, Part, Rank, Scatterer};
     use crate::direction::Disk;
 
     fn quarter() -> Arc<Basis> {
@@ -196,6 +220,17 @@ mod tests {
         assert!((mixed.total(Disk::NORMAL, Part::Direct).value - 0.3).abs() < 1e-12);
         let mixed = Model::mixture(&[(0.5, beam), (0.5, table(0.1, 0.0))]).unwrap();
         assert_eq!(mixed.kind(), "sum");
+    }
+
+    #[test]
+    fn trees_and_diffusers_make_a_tree() {
+        let tree = |rank, value| Arc::new(Model::Tree(Tree::constant(rank, value).unwrap()));
+        let (iso, aniso) = (tree(Rank::Isotropic, 0.1), tree(Rank::Anisotropic, 0.3));
+        let mixed = Model::mixture(&[(0.5, aniso.clone()), (0.5, diffuse(0.2))]).unwrap();
+        assert_eq!(mixed.kind(), "tensor tree");
+        let exact = 0.15 + 0.1 / std::f64::consts::PI;
+        assert!((mixed.evaluate(Disk::NORMAL, Disk::NORMAL) - exact).abs() < 1e-7);
+        assert_eq!(Model::mixture(&[(0.5, aniso), (0.5, iso)]).unwrap().kind(), "sum");
     }
 
     #[test]
