@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Literal
 from clerestory import _core
 from clerestory.basis import Basis
 from clerestory.bsdf import Bsdf
+from clerestory.whole import write_whole
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -86,30 +86,6 @@ def write(bsdf: Bsdf, path: str | os.PathLike[str], *, target: Target = "plain")
         data, notes = bsdf._core.to_xml(target, name.endswith(".gz"))
     write_whole(path, data)
     return notes
-
-
-def write_whole(path: Path, data: bytes) -> None:
-    """Write a file whole or not at all: into a neighbour first, which then takes the name."""
-    if path.exists() and not path.is_file() and not path.is_dir():
-        path.write_bytes(data)  # a pipe or a device, such as /dev/stdout
-        return
-    path = path.resolve()  # a link stays a link, and what it points to is replaced
-    try:
-        handle, neighbour = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-    except OSError as error:
-        error.filename = str(path)
-        raise
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        # mkstemp keeps files private; this one has the rights of any new file.
-        mask = os.umask(0)
-        os.umask(mask)
-        Path(neighbour).chmod(0o666 & ~mask)
-        Path(neighbour).replace(path)
-    except BaseException:
-        Path(neighbour).unlink(missing_ok=True)
-        raise
 
 
 @contextmanager

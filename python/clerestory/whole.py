@@ -24,7 +24,12 @@ def write_whole(path: str | os.PathLike[str], content: bytes) -> None:
     if path.exists() and not path.is_file():
         path.write_bytes(content)
         return
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    target = path.resolve()  # a link stays a link, and what it points to is replaced
+    try:
+        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=target.parent)
+    except OSError as error:
+        error.filename = str(path)  # not the name that nobody has asked for
+        raise
     temporary = Path(name)
     try:
         with os.fdopen(handle, "wb") as file:
@@ -32,7 +37,7 @@ def write_whole(path: str | os.PathLike[str], content: bytes) -> None:
         mask = os.umask(0)
         os.umask(mask)
         temporary.chmod(0o666 & ~mask)
-        temporary.replace(path)
+        temporary.replace(target)
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise

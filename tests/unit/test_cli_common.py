@@ -114,7 +114,7 @@ def test_files_are_written_whole_or_not_at_all(tmp_path, monkeypatch):
 
 
 def test_writing_needs_a_folder(tmp_path):
-    with pytest.raises(CommandError, match=r"does not exist \(create it first\)"):
+    with pytest.raises(FileNotFoundError, match=r"no/x'$"):
         write_whole(tmp_path / "no" / "x", b"")
     with pytest.raises(IsADirectoryError):
         write_whole(tmp_path, b"")

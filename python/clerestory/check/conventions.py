@@ -218,9 +218,12 @@ def symmetry(tables: Tables, sample: str = "") -> Iterator[Finding]:
     found = [words for words, score in scores.items() if score < SYMMETRIC]
     severity: Severity = "note"
     if len(found) == len(scores):
-        text, remedy = "symmetric in every way", "right for fabrics and diffusers, not for slats, prisms and films"
+        text, remedy = (
+            "symmetric in every way",
+            "right for panes, fabrics and diffusers, not for slats, prisms and films",
+        )
         named = next((word for word in _DIRECTED if word in sample.lower()), None)
-        if named is not None and table.own:
+        if named is not None and table.noise < 0.3:
             severity = "warning"
             text += f", though the sample is called a {named}"
     elif scores["up–down"] < SYMMETRIC and scores["left–right"] > 4.0 * SYMMETRIC:

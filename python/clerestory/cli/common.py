@@ -235,13 +235,8 @@ def progress(label: str) -> Iterator[Callable[[float], None]]:
 
 def write_whole(path: Path | str, data: bytes | str) -> None:
     """Write a file whole or not at all; text as UTF-8."""
-    from clerestory.files import write_whole as write
+    from clerestory.whole import write_whole as write
 
-    path = Path(path)
-    if path.is_dir():
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
-    if not path.parent.is_dir():
-        raise CommandError(f"{path}: the folder {path.parent} does not exist (create it first)")
     write(path, data.encode("utf-8") if isinstance(data, str) else data)
 
 

@@ -171,11 +171,20 @@ impl Bsdf {
                 by_reciprocity: true,
             });
         }
+        let held: Vec<String> = band
+            .components()
+            .map(|(s, c, _)| format!("{} from the {}", c.name(), s.name()))
+            .collect();
         Err(Error::Missing(format!(
-            "band {:?} has no {} for light from the {}",
+            "band {:?} has no {} for light from the {} (it has {})",
             band.name,
             scatter.name(),
-            side.name()
+            side.name(),
+            if held.is_empty() {
+                "nothing".to_owned()
+            } else {
+                held.join(", ")
+            }
         )))
     }
 
