@@ -42,7 +42,9 @@ class Region:
         """Between two angles [°] from an outgoing direction (3,). Rings that join sum to the cone that they fill."""
         x, y, z = np.asarray(axis, dtype=np.float64) / np.linalg.norm(np.asarray(axis, dtype=np.float64))
         del z
-        words = f"within {outer_deg:g}°" if inner_deg <= 0 else f"{inner_deg:g}° to {outer_deg:g}°"
+        words = f"within {outer_deg:g}°" if inner_deg == 0.0 else f"{inner_deg:g}° to {outer_deg:g}°"
+        if not 0.0 <= inner_deg < outer_deg <= 180.0:
+            raise _core.ClerestoryError(f"a region {words} of a direction is empty (give angles from 0 to 180°)")
         return cls(((float(x), float(y)), float(np.radians(inner_deg)), float(np.radians(outer_deg))), words)
 
     @classmethod

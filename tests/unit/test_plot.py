@@ -588,3 +588,23 @@ def test_nothing_that_is_written_is_cut_off(redirecting, fabric, kind):
         assert min(box.x0, box.y0) > -0.01
         assert box.x1 < width + 0.01
         assert box.y1 < height + 0.01
+
+
+def test_transmittances_are_those_of_the_report(redirecting, fabric, diffuser):
+    sets = {
+        "matrix": redirecting,
+        "fabric": fabric,
+        "none": Bsdf.from_models({("exterior", "reflection"): table(lobe(lambda t: t))}),
+    }
+    rows = plot.transmittances(sets, [1, 88])
+    model, _ = redirecting.model("exterior", "transmission")
+    areas = KLEMS.projected_solid_angles
+    matrix = rows["matrix"]
+    assert list(matrix) == ["T_h-h", "T_d-h\n0° (1)", "T_d-h\n50° (88)", "T_d-d\n0° (1)", "T_d-d\n50° (88)"]
+    assert matrix["T_h-h"] == pytest.approx(areas @ model.values @ areas / np.pi)
+    assert matrix["T_d-h\n50° (88)"] == pytest.approx(areas @ model.values[:, 87])
+    assert matrix["T_d-d\n50° (88)"] == pytest.approx(areas[87] * model.values[87, 87])
+    # A peak stays in its patch; of the diffuse light the patch's share is there too.
+    assert rows["fabric"]["T_d-d\n50° (88)"] == pytest.approx(0.05 + 0.2 * areas[87] / np.pi, rel=1e-6)
+    assert rows["fabric"]["T_h-h"] == pytest.approx(0.25, rel=1e-6)
+    assert all(np.isnan(v) for v in rows["none"].values())

@@ -10,7 +10,7 @@ import numpy as np
 from clerestory._core import MissingDataError
 from clerestory.plot import disk, style
 from clerestory.plot.hemisphere import mark_peaks, missing_handle, paint
-from clerestory.plot.view import View, band_name, component_words, labelled, lights
+from clerestory.plot.view import PATCHES, View, band_name, component_words, labelled, lights
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from clerestory.bsdf import Bsdf
     from clerestory.directions import Scatter, Side
     from clerestory.plot.view import Light
-
-PATCHES = (1, 41, 88, 130)
-"""Incident patches of the report of IEA SHC Task 61, section 3.4: 0°, 30°, 50° and 70° from above."""
 
 _CELL, _NAME, _HEAD, _FOOT = 1.5, 0.42, 0.85, 0.85
 _ROWS = 6

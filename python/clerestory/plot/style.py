@@ -214,6 +214,39 @@ def figures(value: float, digits: int = 3) -> str:
     return text
 
 
+def suffix_of(path: str | os.PathLike[str]) -> str:
+    """The format that the name of a picture asks for.
+
+    Raises
+    ------
+    ClerestoryError
+        It is not .png, .pdf or .svg.
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix not in SUFFIXES:
+        what = f"ends in {suffix}, which is not known" if suffix else "has no suffix"
+        raise ClerestoryError(f"{path}: the name of a picture {what} (give .png, .pdf or .svg)")
+    return suffix
+
+
+def render(figure: Figure, suffix: str, *, dpi: float = 160) -> bytes:
+    """A picture as the bytes of a file; the same picture gives the same bytes.
+
+    Parameters
+    ----------
+    suffix
+        .png, .pdf or .svg.
+    dpi
+        Resolution of a PNG file, and of falsecolour in the others [pixels an inch].
+    """
+    if not 10 <= dpi <= 2400:
+        raise ClerestoryError(f"{dpi:g} pixels an inch are not possible (give 10 to 2400)")
+    buffer = BytesIO()
+    with settings():
+        figure.savefig(buffer, format=suffix[1:], dpi=dpi, metadata=_METADATA[suffix])
+    return buffer.getvalue()
+
+
 def save(figure: Figure, path: str | os.PathLike[str], *, dpi: float = 160) -> None:
     """Writes a picture whole or not at all; the same picture gives the same bytes.
 
@@ -232,17 +265,11 @@ def save(figure: Figure, path: str | os.PathLike[str], *, dpi: float = 160) -> N
         The name ends otherwise.
     """
     target = Path(path)
-    suffix = target.suffix.lower()
-    if suffix not in SUFFIXES:
-        what = f"ends in {target.suffix!r}" if target.suffix else "has no suffix"
-        raise ClerestoryError(f"{target}: the name of the picture {what}, which is not known (give .png, .pdf or .svg)")
-    buffer = BytesIO()
-    with settings():
-        figure.savefig(buffer, format=suffix[1:], dpi=dpi, metadata=_METADATA[suffix])
+    content = render(figure, suffix_of(target), dpi=dpi)
     handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
     try:
         with os.fdopen(handle, "wb") as file:
-            file.write(buffer.getbuffer())
+            file.write(content)
         # mkstemp keeps files private; a picture has the rights of any new file.
         mask = os.umask(0)
         os.umask(mask)

@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clerestory._core import ClerestoryError
+from clerestory._core import ClerestoryError, MissingDataError
+from clerestory.basis import Basis
+from clerestory.bsdf import Bsdf, Region
+from clerestory.integrals import hemispherical, own_basis
 from clerestory.plot import style
+from clerestory.plot.view import PATCHES, labelled, light
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from clerestory.directions import Scatter, Side
+    from clerestory.plot.view import Light
 
 
 @style.styled
@@ -84,6 +93,60 @@ def transmittance_bars(
     ax.set_title(title)
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=min(count, 4))
     return style.figure_of(ax)
+
+
+def transmittances(
+    sets: Bsdf | Mapping[str, Bsdf],
+    patches: Iterable[int] = PATCHES,
+    *,
+    side: Side = "exterior",
+    scatter: Scatter = "transmission",
+    band: str | None = None,
+) -> dict[str, dict[str, float]]:
+    """Values for `transmittance_bars`: hemispherical, direct-hemispherical and direct-direct, by data set.
+
+    A matrix on Klems' full basis answers by its own values. Other data are averaged over 16 directions of the incident
+    patch; direct-direct is what leaves through the outgoing patch of the same number.
+
+    Parameters
+    ----------
+    sets
+        Data sets by label; one that lacks the component has NaN.
+    patches
+        Incident patches of Klems' full basis, from 1.
+    side, scatter, band
+        As for `hemisphere`.
+    """
+    klems, letter = Basis.named("klems-full"), "T" if scatter == "transmission" else "R"
+    chosen = [light(int(n), side) for n in patches]
+    table = {}
+    for name, bsdf in labelled(sets).items():
+        row = {f"{letter}_h-h": np.nan}
+        row |= {_key(letter, part, source): np.nan for part in ("d-h", "d-d") for source in chosen}
+        with suppress(MissingDataError):
+            row[f"{letter}_h-h"] = hemispherical(bsdf, scatter, side=side, band=band).value
+            for source in chosen:
+                index = int(klems.index_of_incident(source.direction))
+                directions = _incident(bsdf, klems, index, side, scatter, band)
+                for part, region in (("d-h", None), ("d-d", Region.patches(klems, [index]))):
+                    values = bsdf.integrate(directions, scatter, region, band)
+                    row[_key(letter, part, source)] = float(np.mean(values))
+        table[name] = row
+    return table
+
+
+def _key(letter: str, part: str, source: Light) -> str:
+    return f"{letter}_{part}\n{source.theta_deg:.3g}° ({source.patch})"
+
+
+def _incident(
+    bsdf: Bsdf, klems: Basis, index: int, side: Side, scatter: Scatter, band: str | None
+) -> NDArray[np.float64]:
+    """Directions (n, 3) that stand for an incident patch."""
+    if own_basis(bsdf, scatter, side, band) == klems:
+        return klems.incident_centres(side)[index : index + 1]
+    u = (np.stack(np.meshgrid(np.arange(4), np.arange(4)), axis=-1).reshape(-1, 2) + 0.5) / 4.0
+    return klems.sample_incident(index, u, side)
 
 
 def _mathematical(name: str) -> str:

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+PATCHES = (1, 41, 88, 130)
+"""Incident patches of the report of IEA SHC Task 61 (2021, C.2.2), section 3.4: 0°, 30°, 50° and 70° from above."""
+
 
 @dataclass(frozen=True)
 class Light:
