@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from clerestory.cli.common import (
-    SCATTER_NAMES,
-    SIDE_NAMES,
     BandOption,
     JsonOption,
     ScatterOption,
@@ -23,6 +21,8 @@ from clerestory.cli.common import (
     print_json,
     read,
     refuse_overwriting,
+    scatter_of,
+    side_of,
     write_whole,
 )
 
@@ -136,8 +136,7 @@ def plot(
             "--orthographic": orthographic,
         },
     )
-    sides: Side = "exterior" if one_of(side, "--side", SIDE_NAMES) == "exterior" else "interior"
-    scatters: Scatter = "reflection" if one_of(scatter, "--scatter", SCATTER_NAMES) == "reflection" else "transmission"
+    sides, scatters = side_of(side), scatter_of(scatter)
     names = _labels(paths, label)
     sources = _sources(chosen, incident, patch, sides)
     regions = _regions(region, sides, scatters)
@@ -277,7 +276,8 @@ def _patch_numbers(text: str, option: str, count: int) -> list[int]:
 
 def _draw(kind: str, sets: dict[str, Bsdf], sources: list[Any], options: dict[str, Any]) -> Figure:
     from clerestory import plot as pictures
-    from clerestory.plot.view import band_name, component_words
+    from clerestory.plot.view import component_words
+    from clerestory.words import band_name
 
     names, data = list(sets), list(sets.values())
     projection = {k: v for k, v in options.items() if k == "projection"}

@@ -10,7 +10,8 @@ import numpy as np
 from clerestory._core import MissingDataError
 from clerestory.plot import disk, style
 from clerestory.plot.hemisphere import mark_peaks, missing_handle, paint
-from clerestory.plot.view import PATCHES, View, band_name, component_words, labelled, lights
+from clerestory.plot.view import PATCHES, View, component_words, labelled, lights
+from clerestory.words import band_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

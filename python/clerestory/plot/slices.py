@@ -9,7 +9,8 @@ import numpy as np
 from clerestory._core import MissingDataError
 from clerestory.directions import angles, outgoing_in_words, outgoing_side
 from clerestory.plot import style
-from clerestory.plot.view import View, band_name, component_words, labelled, lights
+from clerestory.plot.view import View, component_words, labelled, lights
+from clerestory.words import band_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

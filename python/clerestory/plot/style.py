@@ -6,8 +6,6 @@ neither on a person's own style nor changes it.
 
 from __future__ import annotations
 
-import os
-import tempfile
 from functools import wraps
 from io import BytesIO
 from pathlib import Path
@@ -23,8 +21,10 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
 from clerestory._core import ClerestoryError
+from clerestory.whole import write_whole
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Callable
     from contextlib import AbstractContextManager
 
@@ -264,17 +264,4 @@ def save(figure: Figure, path: str | os.PathLike[str], *, dpi: float = 160) -> N
     ClerestoryError
         The name ends otherwise.
     """
-    target = Path(path)
-    content = render(figure, suffix_of(target), dpi=dpi)
-    handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        # mkstemp keeps files private; a picture has the rights of any new file.
-        mask = os.umask(0)
-        os.umask(mask)
-        Path(name).chmod(0o666 & ~mask)
-        Path(name).replace(target)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+    write_whole(path, render(figure, suffix_of(path), dpi=dpi))

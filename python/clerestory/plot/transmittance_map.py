@@ -9,7 +9,8 @@ from matplotlib.colors import Normalize
 
 from clerestory.plot import disk, style
 from clerestory.plot.hemisphere import paint
-from clerestory.plot.view import band_name, component_words
+from clerestory.plot.view import component_words
+from clerestory.words import band_name
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

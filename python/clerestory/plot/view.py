@@ -13,6 +13,7 @@ from clerestory.bsdf import Bsdf, Peak, Region
 from clerestory.directions import Scatter, Side, incident_in_words, outgoing_in_words, outgoing_side
 from clerestory.integrals import continued
 from clerestory.plot.style import Quantity, figures
+from clerestory.words import band_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -171,13 +172,6 @@ def component_words(band: str, side: Side, scatter: Scatter, *, by_reciprocity: 
     """A component in words."""
     words = f"{band} {scatter}, light from the {side}"
     return words + " (by reciprocity)" if by_reciprocity else words
-
-
-def band_name(bsdf: Bsdf, band: str | None) -> str:
-    """The band that a picture shows: visible, or the first, by default."""
-    if band is not None:
-        return band
-    return "visible" if "visible" in bsdf.bands else bsdf.bands[0]
 
 
 def labelled(sets: Bsdf | Mapping[str, Bsdf]) -> dict[str, Bsdf]:
