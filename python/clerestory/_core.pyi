@@ -16,7 +16,7 @@ _Entries: TypeAlias = NDArray[np.uint32]
 _Indices: TypeAlias = NDArray[np.int64]
 _Flags: TypeAlias = NDArray[np.bool_]
 _Region: TypeAlias = tuple[tuple[float, float], float, float] | tuple[Basis, list[int]]
-_Report: TypeAlias = tuple[str, Side, Scatter, str, int, float, float | None]
+_Report: TypeAlias = tuple[str, Side, Scatter, str, int, float | None, float | None]
 _Triple: TypeAlias = tuple[float, float, float]
 _Element: TypeAlias = tuple[str, list[tuple[str, str]], str, list[_Element]]
 _Metadata: TypeAlias = tuple[str | None, _Element | None, _Element | None, list[str], list[tuple[str, _Element]]]
@@ -92,6 +92,15 @@ class Bsdf:
         seed: int,
         progress: Callable[[float], object] | None,
     ) -> tuple[Bsdf, list[_Report]]: ...
+    def to_tree(
+        self,
+        isotropic: bool,
+        levels: int,
+        samples: int,
+        reduce: float | None,
+        seed: int,
+        progress: Callable[[float], object] | None,
+    ) -> tuple[Bsdf, list[_Report]]: ...
     def scaled(self, factor: float) -> Bsdf: ...
     def normalised(
         self, band: str | None, side_name: str, scatter_name: str, basis: Basis, values: _Floats, part_name: str
@@ -132,6 +141,7 @@ class Model:
     def sum(parts: list[tuple[float, Model]]) -> Model: ...
     @staticmethod
     def mixture(parts: list[tuple[float, Model]]) -> Model: ...
+    def anisotropy(self) -> float: ...
     def reciprocity_error(self, back: Model) -> float | None: ...
     def to_parts(
         self,

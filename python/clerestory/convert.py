@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from clerestory._core import ClerestoryError
 from clerestory.basis import Basis
 
 if TYPE_CHECKING:
@@ -33,8 +34,9 @@ class ConversionReport:
     """Kind of the source's model."""
     samples: int
     """Pairs of directions a cell; 0 where the conversion is exact."""
-    rms_error: float
-    """Estimated sampling error of the values: RMS over the mean, weighted by projected solid angle."""
+    rms_error: float | None
+    """RMS error of the values over their mean, weighted by projected solid angle. For a matrix it is the estimated
+    sampling error; for a tree the difference to the source at pseudo-random directions, None for a source with beams."""
     worst_direct_hemispherical: float | None
     """Largest difference between a direct-hemispherical value and the source's mean over the same directions; None
     where the source has only an estimate of its own."""
@@ -62,7 +64,8 @@ class Operations:
 
         Matrices, Lambertian components and ideal beams of one value are converted exactly, everything else by
         low-discrepancy directions, cosine-weighted in both patches. Peaks become the mean BSDF of the patch that they
-        fall into. Nothing is scaled afterwards; `conversion` of the result tells the errors. Standard errors of
+        fall into; peaks that were separated go back into their table. Nothing is scaled afterwards; `conversion` of the
+        result tells the errors. Standard errors of
         matrices are carried along.
 
         Parameters
@@ -97,6 +100,52 @@ class Operations:
             seed,
             progress,
         )
+        return type(self)(core, [ConversionReport(*row) for row in rows])
+
+    def to_tree(
+        self,
+        rank: Literal["tensor3", "tensor4"] = "tensor4",
+        *,
+        resolution: int = 6,
+        samples: int = 16,
+        reduce: float | None = 90.0,
+        bands: Iterable[str] | None = None,
+        seed: int = 0,
+        progress: Callable[[float], object] | None = None,
+    ) -> Self:
+        """All components as tensor trees: the mean BSDF over cells, fine where it changes and coarse where it does not.
+
+        Ideal beams become the mean BSDF of the finest cell that they fall into; peaks that were separated go back into
+        their table. `conversion` of the result tells the errors.
+
+        Parameters
+        ----------
+        rank
+            tensor3 for samples that scatter alike from all azimuths, tensor4 for all others.
+        resolution
+            2^resolution cells an axis at the finest, at most 10. Every step takes 16 times as long for tensor4, 8 times
+            for tensor3.
+        samples
+            Pairs of directions a finest cell.
+        reduce
+            Percentage of the finest blocks to merge, the smoothest first, as Radiance's converters do; None merges
+            equal values only.
+        bands, seed, progress
+            As in `to_matrix`.
+
+        Raises
+        ------
+        UnsupportedError
+            tensor3 is asked for, and a turn of the sample would move more than 5 % of the light (see
+            `Model.anisotropy`).
+        ClerestoryError
+            A number is not sensible.
+        """
+        if rank not in ("tensor3", "tensor4"):
+            raise ClerestoryError(f"{rank!r} is not a kind of tensor tree (give tensor3 or tensor4)")
+        if not 0 <= resolution <= 10:
+            raise ClerestoryError(f"resolution {resolution} is not one of a tensor tree (give 0 to 10)")
+        core, rows = self._chosen(bands).to_tree(rank == "tensor3", resolution, samples, reduce, seed, progress)
         return type(self)(core, [ConversionReport(*row) for row in rows])
 
     def scaled(self, factor: float) -> Self:

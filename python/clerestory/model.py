@@ -124,6 +124,13 @@ class Model(TreeOperations):
         """The model of the reversed paths: the other side's transmission, or the same side's reflection."""
         return Model(self._core.reciprocal())
 
+    def anisotropy(self) -> float:
+        """Share of the light that a turn of the sample in its plane would move: 0 for an isotropic one.
+
+        Seen at 60° of azimuth and about 25° of polar angle, so that a table's own patches do not count.
+        """
+        return self._core.anisotropy()
+
     def reciprocity_error(self, back: Model) -> float:
         """How far two models are from reciprocity: ∫∫|f − reverse of `back`| / ∫∫f, 0 if they are reciprocal.
 

@@ -333,7 +333,7 @@ class _Reader:
         provenance = self.get(self.header, "provenance", dict, "the header")
         reports = []
         for row in self.items(provenance, "conversion", "the provenance"):
-            kinds = (str, str, str, str, int, float | int, float | int | None)
+            kinds = (str, str, str, str, int, float | int | None, float | int | None)
             sound = isinstance(row, list) and len(row) == len(kinds)
             if not sound or not all(
                 isinstance(v, k) and (isinstance(v, str) or v is None or _is_number(v))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import clerestory
-from clerestory import Basis, Bsdf, Model
+from clerestory import Basis, Bsdf, Model, _core
 
 FULL = Basis.named("klems-full")
 
@@ -67,9 +67,10 @@ def test_what_cannot_be_done_is_said():
 
 
 def long_job(progress=None):
-    specular = Model.specular(np.linspace(0.9, 0.2, 9))
-    return Bsdf.from_models({("exterior", "transmission"): specular}).to_matrix(
-        "klems-full", samples=100_000, progress=progress
+    """Ten seconds or more."""
+    backwards = _core.Model.from_parts("reversed", [], [], [], [noisy(Basis.named("klems-half"))._core])
+    return Bsdf.from_models({("exterior", "transmission"): Model(backwards)}).to_matrix(
+        "klems-full", samples=16_384, progress=progress
     )
 
 
@@ -88,7 +89,7 @@ def test_progress_is_told_and_can_stop_the_work():
         long_job(report)
     assert len(shares) == 1
     assert 0.0 <= shares[0] <= 1.0
-    assert time.monotonic() - begin < 20.0
+    assert time.monotonic() - begin < 5.0
 
 
 def test_ctrl_c_stops_the_work():
@@ -97,3 +98,29 @@ def test_ctrl_c_stops_the_work():
     with pytest.raises(KeyboardInterrupt):
         long_job()
     timer.join()
+
+
+def test_trees_are_made_of_anything():
+    source = data_set()
+    result = source.to_tree("tensor4", resolution=4, samples=8, reduce=None)
+    assert {m.kind for members in result.models.values() for m in members.values()} == {"tensor tree"}
+    reports = {(r.band, r.side, r.scatter): r for r in result.conversion}
+    assert reports["visible", "interior", "reflection"].rms_error < 1e-6
+    assert reports["solar", "exterior", "transmission"].rms_error is None
+    assert reports["solar", "exterior", "transmission"].worst_direct_hemispherical < 0.12
+    assert 0.1 < reports["visible", "exterior", "transmission"].rms_error < 1.0
+
+
+def test_isotropic_trees_are_for_isotropic_samples():
+    diffuse = Bsdf.from_models({("exterior", "transmission"): Model.lambertian(0.4)})
+    assert diffuse.to_tree("tensor3", resolution=3).models["visible"]["exterior", "transmission"].kind == "tensor tree"
+    blind = np.where(np.arange(145)[:, None] % 4 == 0, 1.0, 0.0) * np.ones((145, 145))
+    values = blind * np.where(FULL.incident_centres("exterior")[:, 1] > 0, 1.0, 0.1)
+    model = Model.matrix(values, FULL)
+    assert model.anisotropy() > 0.1
+    with pytest.raises(clerestory.UnsupportedError, match="use tensor4"):
+        Bsdf.from_models({("exterior", "transmission"): model}).to_tree("tensor3", resolution=3)
+    with pytest.raises(clerestory.ClerestoryError, match="give tensor3 or tensor4"):
+        diffuse.to_tree("tensor5")
+    with pytest.raises(clerestory.ClerestoryError, match="give 0 to 10"):
+        diffuse.to_tree(resolution=11)

@@ -1,8 +1,10 @@
 //! Data sets made of other data sets.
 
-use clerestory::bsdf::convert::{Report, Sampling, all_to_matrix};
+use clerestory::bsdf::Rank;
+use clerestory::bsdf::convert::{Report, Sampling, all_to_matrix, all_to_tree, anisotropy};
 use clerestory::bsdf::normalise::normalise_component;
 use clerestory::bsdf::reciprocity::{reciprocal_average, reciprocity_error};
+use clerestory::bsdf::tree::Grid;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 
@@ -14,7 +16,15 @@ use crate::jobs::watched;
 use crate::model::PyModel;
 
 /// Band, side, scatter, kind of the source, samples, RMS error, worst direct-hemispherical difference.
-type ReportRow = (String, &'static str, &'static str, &'static str, u32, f64, Option<f64>);
+type ReportRow = (
+    String,
+    &'static str,
+    &'static str,
+    &'static str,
+    u32,
+    Option<f64>,
+    Option<f64>,
+);
 
 fn rows(reports: Vec<Report>) -> Vec<ReportRow> {
     reports
@@ -48,6 +58,26 @@ impl PyBsdf {
         let sampling = Sampling { samples, seed };
         let (bsdf, reports) = watched(py, progress.as_ref(), |watch| {
             all_to_matrix(&self.0, &incident.0, &outgoing.0, sampling, watch)
+        })?;
+        Ok((Self(bsdf), rows(reports)))
+    }
+
+    /// All components as tensor trees of rank 3 or 4.
+    #[allow(clippy::too_many_arguments, reason = "keyword arguments of the Python API")]
+    fn to_tree(
+        &self,
+        py: Python<'_>,
+        isotropic: bool,
+        levels: u32,
+        samples: u32,
+        reduce: Option<f64>,
+        seed: u64,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<(Self, Vec<ReportRow>)> {
+        let rank = if isotropic { Rank::Isotropic } else { Rank::Anisotropic };
+        let grid = Grid { levels, samples, seed };
+        let (bsdf, reports) = watched(py, progress.as_ref(), |watch| {
+            all_to_tree(&self.0, rank, grid, reduce, watch)
         })?;
         Ok((Self(bsdf), rows(reports)))
     }
@@ -114,6 +144,11 @@ impl PyModel {
     fn mixture(parts: Vec<(f64, Bound<'_, PyModel>)>) -> PyResult<Self> {
         let parts: Vec<_> = parts.into_iter().map(|(w, m)| (w, m.get().0.clone())).collect();
         clerestory::bsdf::Model::mixture(&parts).map(Self::of).map_err(raise)
+    }
+
+    /// Share of the light that a turn in its plane would move.
+    fn anisotropy(&self, py: Python<'_>) -> PyResult<f64> {
+        watched(py, None, |watch| anisotropy(&self.0, watch))
     }
 
     /// How far this model and the other side's (or itself, for reflection) are from reciprocity; None if it is dark.

@@ -37,6 +37,18 @@ impl Model {
             }
         })
     }
+
+    /// With separated peaks put back into the tables that they were taken from, as plain files carry them.
+    #[must_use]
+    pub fn unseparated(&self) -> Self {
+        match self {
+            Self::Separated(s) => s.base().unseparated(),
+            Self::Sum(s) => Sum::new(s.parts().iter().map(|(w, m)| (*w, Arc::new(m.unseparated()))).collect())
+                .map_or_else(|_| self.clone(), Self::Sum),
+            Self::Turned(t) => Self::Turned(Turned::new(Arc::new(t.base().unseparated()), t.turn())),
+            _ => self.clone(),
+        }
+    }
 }
 
 #[cfg(test)]

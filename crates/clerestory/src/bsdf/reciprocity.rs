@@ -146,8 +146,9 @@ fn density(model: &Model, incident: Disk, outgoing: Disk) -> f64 {
 mod tests {
     use super::*;
     use crate::basis::Basis;
+    use crate::bsdf::convert::testing::bushy;
     use crate::bsdf::convert::{Sampling, to_matrix};
-    use crate::bsdf::{Band, Lambertian, Matrix, Metadata, Specular, Sum};
+    use crate::bsdf::{Band, Lambertian, Matrix, Metadata, Rank, Specular, Sum};
     use crate::progress::Progress;
 
     fn noisy(basis: Basis, seed: u64) -> Component {
@@ -227,6 +228,19 @@ mod tests {
             error.to_string().contains("reflection for light from the interior"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn trees_are_averaged_exactly() {
+        let tree = Arc::new(Model::Tree(bushy(Rank::Anisotropic)));
+        assert!(reciprocity_error(&tree, &tree).unwrap() > 0.1);
+        let forced = reciprocal_average(&set(tree.clone(), tree.clone(), tree)).unwrap();
+        let band = forced.band(None).unwrap();
+        let reflection = band.get(Side::Interior, Scatter::Reflection).unwrap();
+        assert_eq!(reflection.kind(), "tensor tree");
+        assert!(reciprocity_error(reflection, reflection).unwrap() < 1e-6);
+        let through = Side::BOTH.map(|side| band.get(side, Scatter::Transmission).unwrap());
+        assert!(reciprocity_error(through[0], through[1]).unwrap() < 1e-6);
     }
 
     #[test]

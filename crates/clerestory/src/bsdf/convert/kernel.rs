@@ -223,13 +223,8 @@ fn of_points(model: &Model, turn: Turn, incident: &Points, outgoing: &Points, pr
             if beam_only {
                 continue;
             }
-            // Where no peak was taken out, a table answers without looking for one again.
-            let scattering = match model {
-                Model::Separated(s) if peaks.is_empty() => s.base(),
-                other => other,
-            };
             for (sum, to) in half.iter_mut().zip(to[k..].iter().step_by(n)) {
-                *sum += scattering.evaluate(from, *to);
+                *sum += model.evaluate(from, *to);
             }
         }
     })
@@ -276,7 +271,8 @@ pub fn totals(model: &Model, incident: &Points) -> Option<Vec<f64>> {
     Some((0..incident.basis.len()).into_par_iter().map(of).collect())
 }
 
-fn estimates_total(model: &Model) -> bool {
+/// Whether a model's direct-hemispherical value is an estimate.
+pub fn estimates_total(model: &Model) -> bool {
     match model {
         Model::Reversed(_) => true,
         Model::Sum(s) => s.parts().iter().any(|(_, m)| estimates_total(m)),

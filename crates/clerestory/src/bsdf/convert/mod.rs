@@ -1,17 +1,22 @@
 //! From any model to a table, by integrating the source over the target's cells.
 //!
 //! * To a matrix on any pair of bases: [`to_matrix`]; a whole data set: [`all_to_matrix`].
+//! * To a tensor tree: [`to_tree`]; a whole data set: [`all_to_tree`].
 
 mod dataset;
+mod isotropy;
 mod kernel;
 mod matrix;
 mod overlap;
 mod points;
 #[cfg(test)]
-mod testing;
+pub(super) mod testing;
+mod tree;
 
-pub use dataset::{Report, all_to_matrix};
+pub use dataset::{Report, all_to_matrix, all_to_tree};
+pub use isotropy::anisotropy;
 pub use matrix::{Conversion, to_matrix};
+pub use tree::{MAX_ANISOTROPY, TreeConversion, to_tree};
 
 use crate::error::{Error, Result};
 
@@ -39,14 +44,15 @@ impl Sampling {
         }
     }
 
-    fn check(self) -> Result<()> {
-        if (2..=1 << 20).contains(&self.samples) {
+    fn check(self, patches: usize) -> Result<()> {
+        // 1 GB of points.
+        let most = ((1_usize << 26) / patches).max(2);
+        if (2..=most).contains(&(self.samples as usize)) {
             return Ok(());
         }
         Err(Error::Argument(format!(
-            "{} samples a patch pair cannot be taken (give 2 to {})",
-            self.samples,
-            1 << 20
+            "{} samples a patch pair cannot be taken (give 2 to {most})",
+            self.samples
         )))
     }
 }

@@ -7,6 +7,8 @@ use rayon::prelude::*;
 use super::Sampling;
 use crate::basis::Basis;
 use crate::direction::Disk;
+use crate::error::Result;
+use crate::progress::Progress;
 use crate::sequence::{r4, uniform};
 
 /// Which half of the four dimensions the points take.
@@ -32,25 +34,30 @@ pub struct Points {
 
 impl Points {
     /// `sampling.samples` points in every patch.
-    pub fn new(basis: &Arc<Basis>, role: Role, sampling: Sampling) -> Self {
+    pub fn new(basis: &Arc<Basis>, role: Role, sampling: Sampling, progress: &Progress) -> Result<Self> {
         let first = if role == Role::Incident { 0 } else { 2 };
         let seed = sampling
             .seed
             .wrapping_mul(2)
             .wrapping_add(u64::from(role == Role::Outgoing));
-        let patch_points = |patch: usize| {
-            let shift = std::array::from_fn(|d| uniform(seed, 4 * patch as u64 + d as u64));
-            (0..sampling.samples).map(move |k| {
-                let u = r4(k, shift);
-                basis.sample_cosine(patch, [u[first], u[first + 1]])
-            })
-        };
-        let disks = (0..basis.len()).into_par_iter().flat_map_iter(patch_points).collect();
-        Self {
+        let count = sampling.samples as usize;
+        let mut disks = vec![Disk::NORMAL; basis.len() * count];
+        disks
+            .par_chunks_mut(count)
+            .enumerate()
+            .try_for_each(|(patch, points)| {
+                let shift = std::array::from_fn(|d| uniform(seed, 4 * patch as u64 + d as u64));
+                for (k, point) in (0..).zip(points) {
+                    let u = r4(k, shift);
+                    *point = basis.sample_cosine(patch, [u[first], u[first + 1]]);
+                }
+                progress.check()
+            })?;
+        Ok(Self {
             basis: basis.clone(),
-            count: sampling.samples as usize,
+            count,
             disks,
-        }
+        })
     }
 
     /// All points, patch by patch.
