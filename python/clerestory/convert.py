@@ -36,7 +36,7 @@ class ConversionReport:
     """Pairs of directions a cell; 0 where the conversion is exact."""
     rms_error: float | None
     """RMS error of the values over their mean, weighted by projected solid angle. For a matrix it is the estimated
-    sampling error; for a tree the difference to the source at pseudo-random directions, None for a source with beams."""
+    sampling error; for a tree the difference to the source at pseudo-random directions, None for one with beams."""
     worst_direct_hemispherical: float | None
     """Largest difference between a direct-hemispherical value and the source's mean over the same directions; None
     where the source has only an estimate of its own."""

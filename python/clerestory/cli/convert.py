@@ -216,7 +216,7 @@ def _report(reports: list[ConversionReport]) -> str:
                 r.side,
                 r.scatter,
                 f"from {r.source}",
-                "exact" if exact else percent(r.rms_error),
+                "exact" if exact else "unknown" if r.rms_error is None else percent(r.rms_error),
                 "" if exact else "unknown" if worst is None else f"{worst:.2g}",
             ]
         )
