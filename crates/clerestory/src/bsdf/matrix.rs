@@ -286,6 +286,26 @@ impl Tabular for Matrix {
         }
     }
 
+    fn cells(&self, incident: Disk, outgoing: &[Disk], cells: &mut [Cell]) {
+        let i = self.incident.patch_of(incident);
+        let area = self.incident.projected_solid_angle(i);
+        for (cell, &point) in cells.iter_mut().zip(outgoing) {
+            let o = self.outgoing.patch_of(point);
+            *cell = Cell {
+                id: (i * self.outgoing.len() + o) as u64,
+                value: self.value(i, o),
+                area: area.min(self.outgoing.projected_solid_angle(o)),
+            };
+        }
+    }
+
+    fn extent(&self, outgoing: Disk) -> f64 {
+        let (theta, phi) = self.outgoing.limits(self.outgoing.patch_of(outgoing));
+        let [inner, outer] = theta.map(f64::sin);
+        // Across a ring and along its outer limit; never more than across the whole ring.
+        (outer - inner + outer * (phi[1] - phi[0])).min(2.0 * outer)
+    }
+
     fn smallest_area(&self) -> f64 {
         [&self.incident, &self.outgoing]
             .iter()

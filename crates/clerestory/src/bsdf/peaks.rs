@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Bsdf, Model, Separated, Sum, Turned};
 use crate::direction::Scatter;
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 impl Bsdf {
     /// With the through-beam of every transmission table as an explicit peak, see [`Separated`]; reflection is left as it is.
@@ -20,7 +20,9 @@ impl Model {
     /// With the through-beam of every table in it as an explicit peak. Models without tables are left as they are.
     pub fn with_separated_peaks(&self) -> Result<Self> {
         Ok(match self {
-            Self::Matrix(_) | Self::Tree(_) => Self::Separated(Separated::new(Arc::new(self.clone()))?),
+            Self::Matrix(_) | Self::Tree(_) | Self::Reversed(_) => {
+                Self::Separated(Separated::new(Arc::new(self.clone()))?)
+            }
             Self::Sum(s) => {
                 let parts = s.parts().iter();
                 let parts = parts.map(|(w, m)| Ok((*w, Arc::new(m.with_separated_peaks()?))));
@@ -28,13 +30,6 @@ impl Model {
             }
             Self::Turned(t) => Self::Turned(Turned::new(Arc::new(t.base().with_separated_peaks()?), t.turn())),
             Self::Lambertian(_) | Self::Specular(_) | Self::Separated(_) => self.clone(),
-            Self::Reversed(_) => {
-                return Err(Error::Unsupported(
-                    "peaks cannot be separated from a model that is there by reciprocity (convert it first, or separate \
-                     the peaks of the side that it comes from)"
-                        .into(),
-                ));
-            }
         })
     }
 
@@ -84,7 +79,14 @@ mod tests {
         let again = separated.with_separated_peaks().unwrap();
         assert_eq!(again.peaks(incident), separated.peaks(incident));
         let reversed = Model::Reversed(Reversed::new(Arc::new(sheet())));
-        assert!(reversed.with_separated_peaks().is_err());
+        let direct = reversed
+            .with_separated_peaks()
+            .unwrap()
+            .total(incident, Part::Direct)
+            .value;
+        assert!((direct - 0.4).abs() < 1e-3);
+        let mirror = Arc::new(Model::Specular(crate::bsdf::Specular::Constant(0.4)));
+        assert!(Model::Reversed(Reversed::new(mirror)).with_separated_peaks().is_err());
     }
 
     #[test]

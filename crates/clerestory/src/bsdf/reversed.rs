@@ -7,6 +7,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use super::separated::{Cell, Tabular, tabular};
 use super::{Estimate, Model, Part, Peak, Sample, Scatterer};
 use crate::direction::Disk;
 
@@ -69,5 +70,31 @@ impl Scatterer for Reversed {
 
     fn resolution(&self, incident: Disk) -> f64 {
         self.base.resolution(incident.reversed())
+    }
+}
+
+/// A table's reverse, where the base is a table; [`super::Separated`] asks for it only then.
+impl Tabular for Reversed {
+    fn cell(&self, incident: Disk, outgoing: Disk) -> Cell {
+        self.table().cell(outgoing.reversed(), incident.reversed())
+    }
+
+    fn smallest_area(&self) -> f64 {
+        self.table().smallest_area()
+    }
+
+    fn floor(&self) -> f64 {
+        self.table().floor()
+    }
+
+    fn extent(&self, _: Disk) -> f64 {
+        // An isotropic tree's cell, seen backwards, may reach all around the normal.
+        2.0
+    }
+}
+
+impl Reversed {
+    fn table(&self) -> &dyn Tabular {
+        tabular(&self.base).expect("asked for tables only")
     }
 }

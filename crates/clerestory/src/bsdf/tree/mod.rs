@@ -303,9 +303,8 @@ fn encode(value: f32) -> Result<u32> {
     }
 }
 
-impl Tabular for Tree {
-    fn cell(&self, incident: Disk, outgoing: Disk) -> Cell {
-        let code = self.rank.code(incident, outgoing);
+impl Tree {
+    fn cell_of(&self, code: u64) -> Cell {
         let (value, place, depth) = match self.rank {
             Rank::Isotropic => self.walk::<3>(code),
             Rank::Anisotropic => self.walk::<4>(code),
@@ -315,6 +314,26 @@ impl Tabular for Tree {
             value: f64::from(value),
             area: PI * 0.25_f64.powi(depth as i32),
         }
+    }
+}
+
+impl Tabular for Tree {
+    fn cell(&self, incident: Disk, outgoing: Disk) -> Cell {
+        self.cell_of(self.rank.code(incident, outgoing))
+    }
+
+    fn cells(&self, incident: Disk, outgoing: &[Disk], cells: &mut [Cell]) {
+        let code = self.rank.incident_code(incident);
+        for (cell, &point) in cells.iter_mut().zip(outgoing) {
+            let code = code | self.rank.outgoing_code(self.rank.into_frame(incident, point));
+            *cell = self.cell_of(code);
+        }
+    }
+
+    fn extent(&self, _: Disk) -> f64 {
+        // From the square of edge 1 to the disk of radius 1 one side of a cell grows by at most 2 √(1 + (π/4)²) = 2.55, the
+        // other by π/2; the diagonal is no longer than both together.
+        4.2 * 0.5_f64.powi(self.depth as i32)
     }
 
     fn smallest_area(&self) -> f64 {
