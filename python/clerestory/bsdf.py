@@ -314,6 +314,33 @@ class Bsdf(Operations):
         i, _, shape = _rows(incident, 3)
         return np.degrees(self._core.resolution(i, band, scatter)).reshape(shape)
 
+    def with_models(self, models: Mapping[str, Mapping[tuple[Side, Scatter], Model]]) -> Bsdf:
+        """The same data set, its metadata too, with some of the components that it has replaced.
+
+        Parameters
+        ----------
+        models
+            New models by band, side of incidence and scatter, as in `models`.
+
+        Raises
+        ------
+        MissingDataError
+            The data set has no such component.
+        """
+        held = self.models
+        for band, members in models.items():
+            for side, scatter in members:
+                if (side, scatter) not in held.get(band, {}):
+                    raise _core.MissingDataError(
+                        f"band {band!r} has no {scatter} from the {side} that could be replaced (see .models)"
+                    )
+        parts = [
+            (band, side, scatter, model._core)
+            for band, members in models.items()
+            for (side, scatter), model in members.items()
+        ]
+        return Bsdf(self._core.with_components(parts))
+
     def flipped(self) -> Bsdf:
         """The sample turned about its vertical axis: the interior face becomes the exterior one."""
         return Bsdf(self._core.flipped())

@@ -31,6 +31,8 @@ class Block:
     """Names of the incident and outgoing bases of a matrix."""
     shape: tuple[int, int] | None
     """Number of outgoing and incident patches of a matrix."""
+    tree: tuple[int, int] | None
+    """Rank of a tensor tree and its finest number of cells an axis."""
     resolution_deg: float
     """Full angle [°] below which detail is not resolved, for light along the normal; 0 without a grid."""
     hemispherical: float
@@ -43,7 +45,8 @@ class Block:
             return f"{self.kind} {self.shape[0]} × {self.shape[1]}, {self.basis}"
         if self.resolution_deg <= 0.0:
             return self.kind
-        return f"{self.kind}, {self.resolution_deg:.{0 if self.resolution_deg >= 10.0 else 1}f}° at normal"
+        tree = "" if self.tree is None else f" of rank {self.tree[0]}, {self.tree[1]} cells an axis"
+        return f"{self.kind}{tree}, {self.resolution_deg:.{0 if self.resolution_deg >= 10.0 else 1}f}° at normal"
 
 
 def blocks(bsdf: Bsdf) -> list[Block]:
@@ -63,7 +66,8 @@ def _block(bsdf: Bsdf, band: str, side: Side, scatter: Scatter, model: Model) ->
         shape = (len(outgoing), len(incident))
     resolution = float(np.max(bsdf.resolution_deg(direction(0.0, 0.0, side=side), scatter, band)))
     total = hemispherical(bsdf, scatter, side=side, band=band, samples=1).value
-    return Block(band, side, scatter, model.kind, basis, shape, resolution, total)
+    tree = (model.tree_rank, 2**model.tree_depth) if model.kind == "tensor tree" else None
+    return Block(band, side, scatter, model.kind, basis, shape, tree, resolution, total)
 
 
 def as_text(bsdf: Bsdf) -> str:

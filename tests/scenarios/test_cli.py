@@ -201,6 +201,45 @@ def test_convert_to_another_basis_reports_its_error(folder, tmp_path, capsys):
     assert len(json.loads(out)["conversion"]) == 4
 
 
+def smooth_tree():
+    """A tensor tree with more leaves than it needs: a broad lobe on 16 cells an axis."""
+    middles = (np.arange(16) + 0.5) / 16
+    a, b, c, d = np.meshgrid(*[middles] * 4, indexing="ij")
+    return Model.tree_from_grid(0.3 * np.exp(-8.0 * ((a - c) ** 2 + (b - d) ** 2)))
+
+
+def test_convert_culls_a_tree(tmp_path, capsys):
+    Bsdf.from_models({("exterior", "transmission"): smooth_tree()}).with_metadata(name="Lobe").write(tmp_path / "t.xml")
+    _, out, _ = run(capsys, "info", tmp_path / "t.xml")
+    assert "tensor tree of rank 4, 16 cells an axis, 7.2° at normal" in out
+    output = tmp_path / "culled.xml"
+    code, out, err = run(capsys, "convert", tmp_path / "t.xml", output, "--cull", 80)
+    assert (code, err) == (0, "")
+    before, after = (int(n.replace(",", "")) for n in re.search(r"([\d,]+) to ([\d,]+)", out).groups())
+    assert after < 0.5 * before
+    culled = clerestory.read(output)
+    assert culled.metadata.name == "Lobe"
+    assert culled.models["visible"]["exterior", "transmission"].tree_leaves == after
+    code, out, err = run(capsys, "convert", tmp_path / "t.xml", output, "--cull", 101)
+    assert (code, out) == (2, "")
+    assert "--cull 101: not a percentage" in err
+
+
+def test_convert_makes_trees(folder, tmp_path, capsys):
+    output = tmp_path / "tree.xml"
+    words = ("convert", folder / "glows.xml", output, "--basis")
+    code, out, _ = run(capsys, *words, "tensor4", "--resolution", 3, "--samples", 4)
+    assert code == 0
+    assert "from matrix" in out
+    model = clerestory.read(output).models["visible"]["exterior", "transmission"]
+    assert (model.kind, model.tree_rank) == ("tensor tree", 4)
+    assert run(capsys, *words, "tensor3", "--resolution", 3, "--json")[0] == 0
+    assert clerestory.read(output).models["visible"]["exterior", "transmission"].tree_rank == 3
+    code, _, err = run(capsys, *words, "klems-full", "--cull", 80)
+    assert code == 2
+    assert "--cull" in err
+
+
 def test_convert_turns_the_sample(folder, tmp_path, capsys):
     values = np.diag(np.where(KLEMS.outgoing_centres("interior")[:, 1] < -0.1, 0.5, 0.1) / AREAS)
     Bsdf.from_models({("exterior", "transmission"): matrix(values)}).write(tmp_path / "a.xml")
@@ -229,6 +268,7 @@ def test_convert_renames_a_band(folder, tmp_path, capsys):
         (["pane.xml", "pane.xml"], 2, "would overwrite an input"),
         (["pane.xml", "x.txt"], 2, "does not tell the format"),
         (["pane.xml", "x.xml", "--basis", "nonsense"], 2, "--basis nonsense: "),
+        (["pane.xml", "x.xml", "--cull", "90"], 2, "no tensor trees in the input (give --basis tensor4 too)"),
         (["pane.xml", "x.xml", "--for", "excel"], 2, "give plain or radiance or window or energyplus"),
         (["pane.xml", "glows.xml", "x.xml"], 1, "visible"),
         (["pane.xml", "x.xml", "--for", "window"], 1, "emissivity"),

@@ -347,6 +347,19 @@ impl PyBsdf {
         Ok(values.to_pyarray(py))
     }
 
+    /// With components that it has (band, side, scatter) replaced by others.
+    fn with_components(&self, parts: Vec<(String, String, String, Bound<'_, PyModel>)>) -> PyResult<Self> {
+        self.0
+            .try_map(|band, side, scatter, model| {
+                let part = parts
+                    .iter()
+                    .find(|(b, s, c, _)| b == band && s == side.name() && c == scatter.name());
+                Ok(part.map_or_else(|| model.clone(), |(_, _, _, m)| (*m.get().0).clone()))
+            })
+            .map(Self)
+            .map_err(raise)
+    }
+
     fn flipped(&self) -> Self {
         Self(self.0.flipped())
     }

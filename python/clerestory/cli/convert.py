@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -27,10 +28,25 @@ if TYPE_CHECKING:
     from clerestory.basis import Basis
     from clerestory.bsdf import Bsdf
     from clerestory.convert import ConversionReport
+    from clerestory.directions import Scatter, Side
     from clerestory.files import Target
+    from clerestory.model import Model
+    from clerestory.tree import ReductionReport
 
+TREES: tuple[Literal["tensor3", "tensor4"], ...] = ("tensor3", "tensor4")
 SUFFIXES = (".xml", ".xml.gz", ".npz")
 TARGETS: tuple[Target, ...] = ("plain", "radiance", "window", "energyplus")
+
+
+@dataclass(frozen=True)
+class Reduced:
+    """What `--cull` did to a component."""
+
+    band: str
+    side: Side
+    scatter: Scatter
+    report: ReductionReport
+
 
 Text = str | None
 Number = float | None
@@ -47,11 +63,25 @@ def convert(
     *,
     basis: Annotated[
         Text,
-        typer.Option(metavar="NAME", help="klems-full, klems-half, klems-quarter, tregenza, reinhart:N or iea21."),
+        typer.Option(
+            metavar="NAME",
+            help="klems-full, klems-half, klems-quarter, tregenza, reinhart:N, iea21, or tensor3 or tensor4 for trees.",
+        ),
     ] = None,
+    resolution: Annotated[
+        int, typer.Option(metavar="N", help="2^N cells an axis at the finest, for tensor3 and tensor4.")
+    ] = 6,
     samples: Annotated[
-        int, typer.Option(metavar="N", help="Pairs of directions a cell, where a conversion samples.")
-    ] = 256,
+        int | None,
+        typer.Option(
+            metavar="N",
+            help="Pairs of directions a cell, where a conversion samples; 256, and 16 for trees, by default.",
+        ),
+    ] = None,
+    cull: Annotated[
+        float | None,
+        typer.Option(metavar="PCT", help="Percentage of a tree's finest blocks to merge; 90 for a new tree."),
+    ] = None,
     target: Annotated[
         str, typer.Option("--for", metavar="PROGRAM", help="Write what radiance, window or energyplus accepts.")
     ] = "plain",
@@ -102,6 +132,10 @@ def convert(
 
     Example: clerestory convert visible.xml solar.xml blind.xml --for window --thickness 80
     """
+    if cull is not None and basis is not None and basis not in TREES:
+        raise UsageError(
+            f"--cull with --basis {basis}: only trees can be culled (give --basis tensor4, or leave it out)"
+        )
     wanted = next(t for t in TARGETS if t == one_of(target, "--for", TARGETS))
     if not output.name.lower().endswith(SUFFIXES):
         raise UsageError(f"{output}: the name does not tell the format (end it with .xml, .xml.gz or .bsdf.npz)")
@@ -112,7 +146,8 @@ def convert(
 
     from clerestory.bsdf import Bsdf
 
-    patches = _basis(basis, "--basis")
+    tree = next((rank for rank in TREES if rank == basis), None)
+    patches = _basis(basis, "--basis") if tree is None else None
     assumed = _basis(assume_basis, "--assume-basis")
     sets = []
     for path in inputs:
@@ -123,10 +158,17 @@ def convert(
         bsdf = sets[0] if len(sets) == 1 else Bsdf.merged(sets)
         bsdf = _moved(bsdf, mirror=mirror, rotate_deg=rotate, flip=flip)
         reports: list[ConversionReport] = []
-        if patches is not None:
-            with progress("converting") as done:
-                bsdf = bsdf.to_matrix(patches, samples=samples, progress=done)
-            reports = bsdf.conversion
+        reduced: list[Reduced] = []
+        with progress("converting") as done:
+            if patches is not None:
+                bsdf = bsdf.to_matrix(patches, samples=samples or 256, progress=done)
+                reports = bsdf.conversion
+            elif tree is not None:
+                merged = 90.0 if cull is None else cull
+                bsdf = bsdf.to_tree(tree, resolution=resolution, samples=samples or 16, reduce=merged, progress=done)
+                reports = bsdf.conversion
+            elif cull is not None:
+                bsdf, reduced = _culled(bsdf, cull)
         if separate_peaks:
             bsdf = bsdf.separate_peaks()
         fields = {
@@ -147,12 +189,14 @@ def convert(
             bsdf = bsdf.with_metadata(**given)
         notes = bsdf.write(output, target=wanted)
     if as_json:
-        print_json({"output": output, "bands": bsdf.bands, "conversion": reports, "notes": notes})
+        print_json({"output": output, "bands": bsdf.bands, "conversion": reports, "reduction": reduced, "notes": notes})
         return
     for text in notes:
         note(f"note: {output}: {text}")
     if reports:
         say(_report(reports))
+    if reduced:
+        say(_reductions(reduced))
     say(f"wrote {output}: {', '.join(bsdf.bands)}")
 
 
@@ -200,6 +244,41 @@ def _moved(bsdf: Bsdf, *, mirror: bool, rotate_deg: float, flip: bool) -> Bsdf:
 
 def _metres(millimetres: float | None) -> float | None:
     return None if millimetres is None else millimetres / 1000.0
+
+
+def _culled(bsdf: Bsdf, percent: float) -> tuple[Bsdf, list[Reduced]]:
+    """Every tensor tree with fewer leaves."""
+    if not 0.0 <= percent <= 100.0:
+        raise UsageError(f"--cull {percent:g}: not a percentage (give 0 to 100; 90 to 95 are usual)")
+    models: dict[str, dict[tuple[Side, Scatter], Model]] = {}
+    reduced = []
+    for band, members in bsdf.models.items():
+        for (side, scatter), model in members.items():
+            if model.kind == "tensor tree":
+                smaller, report = model.reduced(percent=percent)
+                models.setdefault(band, {})[side, scatter] = smaller
+                reduced.append(Reduced(band, side, scatter, report))
+    if not reduced:
+        raise UsageError("--cull: there are no tensor trees in the input (give --basis tensor4 too)")
+    return bsdf.with_models(models), reduced
+
+
+def _reductions(reduced: list[Reduced]) -> str:
+    from clerestory.words import percent
+
+    rows = [
+        [
+            r.band,
+            r.side,
+            r.scatter,
+            f"{r.report.leaves_before:,} to {r.report.leaves_after:,}",
+            percent(r.report.rms_error),
+            f"{r.report.worst_direct_hemispherical:.2g}",
+        ]
+        for r in reduced
+    ]
+    headers = ["band", "side", "scatter", "leaves", "RMS error", "worst direct-hemispherical difference"]
+    return table(headers, rows, left=3)
 
 
 def _report(reports: list[ConversionReport]) -> str:
