@@ -306,7 +306,7 @@ def test_neighbours_touch_each_other():
     assert set(neighbours(KLEMS)[0]) == set(range(1, 9))
 
 
-@pytest.mark.parametrize("path", sample_files("klems"))
+@pytest.mark.parametrize("path", sample_files("klems", "tensortree"))
 def test_real_files_can_be_checked(path):
     import clerestory
 
