@@ -2,8 +2,8 @@
 
 A command is a function of its file's name; `_COMMANDS` lists them in the order in which a person meets them. Its module
 imports only the standard library, typer and `clerestory.cli.common` at its head and everything heavy inside the
-function, so that `clerestory --help` answers at once. What goes wrong leaves a command as an exception; `main` turns it
-into one line.
+function, so that `clerestory --help` answers at once. Its docstring is its help and ends with a line `Example: …`. What
+goes wrong leaves a command as an exception; `main` turns it into one line.
 """
 
 from __future__ import annotations
