@@ -180,23 +180,41 @@ struct Open<'a> {
     node: Node<'a>,
     /// Name with prefix.
     full_name: &'a [u8],
-    /// Non-blank pieces of its text so far.
-    pieces: usize,
+    /// Blanks stand behind its text so far.
+    gap: bool,
 }
 
 impl<'a> Open<'a> {
     fn add_text(&mut self, text: &'a [u8], at: usize) {
         if text.iter().all(u8::is_ascii_whitespace) {
-            return;
-        }
-        self.pieces += 1;
-        if self.pieces == 1 {
+            self.gap |= !text.is_empty();
+        } else if self.node.text.is_empty() {
             self.node.text = Cow::Borrowed(text);
             self.node.text_at = Some(at);
+            self.gap = false;
         } else {
-            self.node.text.to_mut().extend_from_slice(text);
-            self.node.text_at = None;
+            self.append(text);
         }
+    }
+
+    /// Text in which '&' stands for itself.
+    fn add_cdata(&mut self, text: &'a [u8], at: usize) {
+        if text.contains(&b'&') {
+            self.append(&text.split(|&c| c == b'&').collect::<Vec<_>>().join(b"&amp;".as_slice()));
+        } else {
+            self.add_text(text, at);
+        }
+    }
+
+    /// Another piece; blanks between it and the one before are kept as one.
+    fn append(&mut self, text: &[u8]) {
+        let all = self.node.text.to_mut();
+        if self.gap && !all.is_empty() {
+            all.push(b' ');
+        }
+        all.extend_from_slice(text);
+        self.gap = false;
+        self.node.text_at = None;
     }
 }
 
@@ -280,7 +298,7 @@ impl<'a> Scanner<'a> {
                 let at = self.at;
                 self.at += 9;
                 let end = self.find(b"]]>", "a CDATA section", at)?;
-                top.add_text(&self.bytes[at + 9..end], at + 9);
+                top.add_cdata(&self.bytes[at + 9..end], at + 9);
             } else if rest.starts_with(b"<?") {
                 let at = self.at;
                 self.find(b"?>", "a processing instruction", at)?;
@@ -356,7 +374,7 @@ impl<'a> Scanner<'a> {
         let open = Open {
             node,
             full_name: &self.bytes[at + 1..from],
-            pieces: 0,
+            gap: false,
         };
         Ok((open, closed))
     }
@@ -441,17 +459,35 @@ mod tests {
     #[test]
     fn elements_attributes_and_text() {
         let text = "<?xml version='1.0' encoding=\"UTF-8\"?>\n<!-- head --><x:r xmlns:x='u' a = 'b>c'>\n<y/>one<!--in-->\
-                    <y k=\"2\"> two </y><![CDATA[<3>]]></x:r> <!-- foot -->";
+                    <y k=\"2\"> two </y><![CDATA[<&3>]]></x:r> <!-- foot -->";
         let document = root(text).unwrap();
         assert_eq!(document.encoding, Some("UTF-8"));
         assert_eq!(document.comments, [b" head ".as_slice(), b"in", b" foot "]);
         let r = &document.root;
         assert_eq!(r.attributes().collect::<Vec<_>>(), [("a", b"b>c".as_slice())]);
-        assert_eq!(&*r.text, b"one<3>");
+        assert_eq!(&*r.text, b"one<&amp;3>");
         assert_eq!(r.all("y").count(), 2);
         assert_eq!(&*r.children[1].text, b" two ");
         assert_eq!(r.children[1].text_at, text.find(" two "));
         assert!(document.text_before.is_none() && document.text_behind.is_none());
+    }
+
+    #[test]
+    fn pieces_of_text_are_kept_apart_as_they_were() {
+        for (text, expected) in [
+            ("<r>1<!-- -->2</r>", "12"),
+            ("<r>1<!-- --> <!-- -->2</r>", "1 2"),
+            ("<r> <!-- -->1 2 <!-- --> </r>", "1 2 "),
+            ("<r><![CDATA[a & & b]]></r>", "a &amp; &amp; b"),
+            ("<r>a<b/> <![CDATA[&]]></r>", "a &amp;"),
+        ] {
+            assert_eq!(&*root(text).unwrap().root.text, expected.as_bytes(), "{text}");
+        }
+        // Comments behind the text do not make a copy of it.
+        assert!(matches!(
+            root("<r>1 2 <!-- --> </r>").unwrap().root.text,
+            Cow::Borrowed(_)
+        ));
     }
 
     #[test]
