@@ -1,0 +1,64 @@
+"""Runs every benchmark and the comparisons with Radiance, and writes docs/validation.md."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(ROOT / "tests")]
+
+import agreement  # noqa: E402
+import conversion  # noqa: E402
+import loading  # noqa: E402
+import lookups  # noqa: E402
+from samples import sample_root  # noqa: E402
+from timing import machine  # noqa: E402
+
+JOBS = {
+    "agreement": agreement.report,
+    "loading": loading.report,
+    "conversion": conversion.report,
+    "lookups": lookups.report,
+}
+
+
+def main() -> None:
+    """Runs the jobs and writes the page."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--only", choices=JOBS, action="append", help="print this section; nothing is written")
+    only = parser.parse_args().only
+    data = sample_root()
+    if data is None:
+        sys.exit("error: the sample data are not there (set CLERESTORY_DATA to their folder)")
+    if only:
+        for name in only:
+            print(JOBS[name](data))
+        return
+    sections = []
+    for name, job in JOBS.items():
+        print(f"{name} ...", file=sys.stderr, flush=True)
+        sections.append(job(data))
+    text = "\n".join(
+        [
+            "# Validation",
+            "",
+            "Written by `make bench`; no figure is typed by hand. Ratios are medians of runs in turn on one machine; a",
+            "ratio above 1 means that Clerestory is faster.",
+            "",
+            f"Made on: {machine()}.",
+            "",
+            "## Agreement",
+            "",
+            sections[0],
+            "## Speed",
+            "",
+            *sections[1:],
+        ]
+    )
+    (ROOT / "docs" / "validation.md").write_text(text.rstrip() + "\n")
+
+
+if __name__ == "__main__":
+    main()
