@@ -578,16 +578,37 @@ def test_every_kind_draws_on_axes_that_it_is_given(fabric, kind):
     figure.canvas.draw()
 
 
-@pytest.mark.parametrize("kind", [k for k in KINDS if k not in ("transmittance_bars", "basis_patches")])
-def test_nothing_that_is_written_is_cut_off(redirecting, fabric, kind):
-    for bsdf in (redirecting, fabric):
-        figure = KINDS[kind](bsdf, None)
-        figure.draw_without_rendering()
-        width, height = figure.get_size_inches()
-        box = figure.get_tightbbox()
-        assert min(box.x0, box.y0) > -0.01
-        assert box.x1 < width + 0.01
-        assert box.y1 < height + 0.01
+def is_whole(figure):
+    """Whether everything that is drawn lies within the figure."""
+    figure.draw_without_rendering()
+    width, height = figure.get_size_inches()
+    box = figure.get_tightbbox()
+    return min(box.x0, box.y0) > -0.01 and box.x1 < width + 0.01 and box.y1 < height + 0.01
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_nothing_that_is_drawn_is_cut_off(fabric, kind):
+    assert is_whole(KINDS[kind](fabric, None))
+
+
+def test_long_names_and_many_sets_have_room(redirecting, fabric):
+    name = "a laboratory whose name is longer than the picture is wide, with the year of its second campaign"
+    many = {f"laboratory for daylight {k}": fabric for k in range(20)}
+    assert is_whole(plot.hemisphere(fabric, 41, label=name, pixels=40))
+    assert is_whole(plot.transmittance_map(fabric, minus=redirecting, label=name, minus_label=name, pixels=40))
+    assert is_whole(plot.slices(many, 41, step_deg=1))
+    assert is_whole(plot.slices(many, [1, 41], step_deg=1))
+    assert is_whole(plot.transmittance_bars({name: {"T_h-h": 0.2} for name in many}))
+    assert is_whole(plot.hemisphere_grid({name: fabric}, 41, pixels=20))
+
+
+def test_colour_bars_point_down_only_where_something_is_darker(fabric, redirecting):
+    for sets, expected in (({"A": fabric}, "neither"), ({"A": redirecting}, "neither")):
+        figure = plot.hemisphere_grid(sets, 41, pixels=20)
+        assert [ax._colorbar.extend for ax in figure.axes if hasattr(ax, "_colorbar")] == [expected]
+    dark = Bsdf.from_models({("exterior", "transmission"): Model.matrix(np.eye(len(KLEMS)), KLEMS)})
+    figure = plot.hemisphere_grid({"A": dark}, 41, pixels=20)
+    assert [ax._colorbar.extend for ax in figure.axes if hasattr(ax, "_colorbar")] == ["min"]
 
 
 def test_transmittances_are_those_of_the_report(redirecting, fabric, diffuser):

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from clerestory.directions import Scatter, Side
     from clerestory.plot.view import Light
 
-_CELL, _NAME, _HEAD, _FOOT = 1.5, 0.42, 0.85, 0.85
+_CELL, _NAME, _HEAD, _FOOT = 1.5, 0.42, 0.85, 0.95
 _ROWS = 6
 
 
@@ -61,14 +61,14 @@ def hemisphere_grid(
         for key, view in views.items()
         if view is not None
     }
-    every = np.concatenate([np.zeros(1), *(v[np.isfinite(v)] for v in images.values())])
+    every = np.concatenate([np.zeros(0), *(v[np.isfinite(v)] for v in images.values())])
     norm = style.norm(every, scale, limits)
 
     names = list(data)
     blocks = 1 if len(names) <= _ROWS else 2
     rows = -(-len(names) // blocks)
     block_width = _NAME + _CELL * len(sources)
-    width, height = max(blocks * block_width + 0.2, 4.6), _HEAD + _CELL * rows + _FOOT
+    width, height = max(blocks * block_width + 0.2, 5.0), _HEAD + _CELL * rows + _FOOT
     figure = style.new_figure(width, height, constrained=False)
     left = 0.5 * (width - blocks * block_width)
     for n, name in enumerate(names):
@@ -103,12 +103,12 @@ def hemisphere_grid(
     leaving = next((v.outgoing_side for v in views.values() if v is not None), "interior")
     figure.text(0.5, 1 - 0.1 / height, words, ha="center", va="top", fontsize=10)
     bar_width = min(4.5, width - 1.0)
-    bar_box = (0.5 - 0.5 * bar_width / width, 0.5 / height, bar_width / width, 0.13 / height)
+    bar_box = (0.5 - 0.5 * bar_width / width, 0.62 / height, bar_width / width, 0.13 / height)
     mappable = style.mappable(norm)
     bar = figure.colorbar(
         mappable, cax=figure.add_axes(bar_box), orientation="horizontal", extend=style.extend(every, norm)
     )
-    bar.set_label(f"{style.UNITS[quantity]}, light leaving to the {leaving}, as seen from the room (up is up)")
+    bar.set_label(f"{style.UNITS[quantity]}\nlight leaving to the {leaving}, as seen from the room")
     if any(v is None for v in views.values()):
         figure.legend(handles=[missing_handle()], loc="upper right")
     return figure

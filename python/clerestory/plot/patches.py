@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 Show = Literal["number", "value", "both", "none"]
 _WIDTH = 8.4  # inches of a figure
 _RADIUS_PT = 222.0  # points of the disk's radius in such a figure, near enough to choose the size of type
-_LEAST_PT = 2.5  # type that one can still read on a screen that is zoomed
+_LEAST_PT = 3.0  # type that one can still read on a screen that is zoomed
 
 
 @style.styled
@@ -197,14 +197,39 @@ def _write(
     *,
     turn_deg: float = 0.0,
 ) -> None:
-    """Lines of text in the middle of every patch, in a type that fits; nothing where it would be too small."""
-    places, sizes = [], np.empty(len(lines))
+    """Lines of text in the middle of every patch, in a type that fits; only the first where more would be too small."""
+    points = _sizes(basis, projection, lines, turn_deg)
+    if np.median(points) < _LEAST_PT:
+        lines = [words[:1] for words in lines]
+        points = _sizes(basis, projection, lines, turn_deg)
+    points = np.minimum(points, 1.2 * np.median(points))
+    for (lower, upper, left, right), words, ink, size in zip(basis.limits_deg, lines, inks, points, strict=True):
+        if not words or size < _LEAST_PT:
+            continue
+        inner, outer = (float(r) for r in disk.radius([lower, upper], projection))
+        middle = 0.0 if right - left > 359.0 else 0.5 * (inner + outer)
+        azimuth = np.radians(0.5 * (left + right) + turn_deg)
+        ax.text(
+            middle * np.cos(azimuth),
+            middle * np.sin(azimuth),
+            "\n".join(words),
+            fontsize=size,
+            ha="center",
+            va="center",
+            color=ink,
+            zorder=8,
+            linespacing=1.0,
+        )
+
+
+def _sizes(basis: Basis, projection: disk.Projection, lines: list[list[str]], turn_deg: float) -> NDArray[np.float64]:
+    """Largest size of type [pt] in which words fit into each patch."""
+    sizes = np.empty(len(lines))
     for i, ((lower, upper, left, right), words) in enumerate(zip(basis.limits_deg, lines, strict=True)):
         inner, outer = (float(r) for r in disk.radius([lower, upper], projection))
         # Width and height of the words in units of their size: a digit is 0.64 wide, a line 1.15 high.
         width, height = 0.64 * max(map(len, words), default=1), 1.15 * max(len(words), 1)
         if right - left > 359.0:
-            places.append((0.0, 0.0))
             sizes[i] = 2.0 * outer / np.hypot(width, height)
             continue
         azimuth, middle = np.radians(0.5 * (left + right) + turn_deg), 0.5 * (inner + outer)
@@ -214,14 +239,7 @@ def _write(
         c, s = abs(np.cos(azimuth)), abs(np.sin(azimuth))
         # An upright box in a sector that is turned by the azimuth: its shadow on both of the sector's axes must fit.
         sizes[i] = min(radial / (width * c + height * s), along / (width * s + height * c))
-        places.append((float(middle * np.cos(azimuth)), float(middle * np.sin(azimuth))))
-    points = np.minimum(0.92 * _RADIUS_PT * sizes, 9.0)
-    points = np.minimum(points, 1.2 * np.quantile(points, 0.25))
-    for (x, y), words, ink, size in zip(places, lines, inks, points, strict=True):
-        if words and size >= _LEAST_PT:
-            ax.text(
-                x, y, "\n".join(words), fontsize=size, ha="center", va="center", color=ink, zorder=8, linespacing=1.0
-            )
+    return np.minimum(0.92 * _RADIUS_PT * sizes, 9.0)
 
 
 def _short(value: float) -> str:

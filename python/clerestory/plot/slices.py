@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 _ASIDE_DEG = 1e-5
 """Half the distance of the two cuts whose mean is shown."""
+_STEMS = 4
+"""With more peaks than this in a panel their values are left to the axis."""
 _OFF_PLANE_DEG = 1.0
 """A peak this close to the plane is drawn in it."""
 
@@ -76,16 +78,19 @@ def slices(
     if ax is None:
         across = min(len(sources), 2)
         down = -(-len(sources) // across)
-        figure = style.new_figure(6.4 if across == 1 else 9.6, 0.9 + 3.0 * down + 0.17 * -(-len(data) // 3))
+        width = 6.6 if across == 1 else 9.6
+        legend_columns, legend_rows = style.columns(data, width - 0.4)
+        figure = style.new_figure(width, 0.9 + 3.0 * down + 0.19 * legend_rows)
         panels = list(figure.subplots(down, across, squeeze=False).flat)
     else:
         figure, panels = style.figure_of(ax), [ax]
+        legend_columns, _ = style.columns(data, 0.8 * float(figure.get_figwidth()))
     curves = {
         (name, k): _curve(bsdf, source, scatter, band, alpha, azimuth_deg, quantity)
         for name, bsdf in data.items()
         for k, source in enumerate(sources)
     }
-    every = np.concatenate([np.zeros(1), *(values for _, values in curves.values() if values is not None)])
+    every = np.concatenate([np.zeros(0), *(values for _, values in curves.values() if values is not None)])
     norm = style.norm(every, scale, limits)
     strongest = max((p.value for view, _ in curves.values() if view is not None for p in view.peaks()), default=0.0)
     for k, (panel, source) in enumerate(zip(panels, sources, strict=False)):
@@ -97,16 +102,19 @@ def slices(
         else:
             panel.set_ylim(float(norm.vmin or 0.0), 1.05 * float(norm.vmax or 1.0))
         panel.set_ylabel(style.UNITS[quantity])
-        if ax is None and len(sources) > 1:
-            if stems:
-                panel.legend(handles=stems, loc="best", fontsize=7, frameon=True, framealpha=0.85)
-        elif panel.get_legend_handles_labels()[0] or stems:
-            handles = [*panel.get_legend_handles_labels()[0], *stems]
-            panel.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=3)
+        if stems and len(stems) <= _STEMS:
+            panel.legend(handles=stems, loc="best", fontsize=7, frameon=True, framealpha=0.85)
     for panel in panels[len(sources) :]:
         panel.set_visible(False)
-    if ax is None and len(sources) > 1 and len(data) > 1:
-        figure.legend(handles=panels[0].get_legend_handles_labels()[0], loc="outside lower center", ncols=4)
+    handles = panels[0].get_legend_handles_labels()[0]
+    if handles and ax is None:
+        figure.legend(handles=handles, loc="outside lower center", ncols=legend_columns)
+    elif handles and ax is not None:
+        # A second legend beside that of the stems; `panel.legend` would take its place.
+        legend = ax.get_legend()
+        ax.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=legend_columns)
+        if legend is not None:
+            ax.add_artist(legend)
     if ax is None:
         first = next(iter(data.values()))
         where = "" if len(data) > 1 else next(iter(data))

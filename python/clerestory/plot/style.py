@@ -25,7 +25,7 @@ from clerestory.whole import write_whole
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
     from contextlib import AbstractContextManager
 
     from matplotlib.axes import Axes
@@ -202,6 +202,14 @@ def cross(ax: Axes, point: NDArray[np.float64], label: str = "", *, size: float 
 def line(index: int) -> dict[str, Any]:
     """Colour and dashes of the n-th line of a picture."""
     return {"color": COLOURS[index % len(COLOURS)], "linestyle": DASHES[index % len(DASHES)]}
+
+
+def columns(labels: Iterable[str], inches: float) -> tuple[int, int]:
+    """Columns and rows of a legend that is no wider than so many inches."""
+    names = list(labels)
+    widest = 0.55 + 0.068 * max((len(name) for name in names), default=1)
+    across = max(1, min(len(names), int(inches / widest)))
+    return across, -(-len(names) // across)
 
 
 def figures(value: float, digits: int = 3) -> str:

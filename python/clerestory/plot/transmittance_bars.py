@@ -57,7 +57,8 @@ def transmittance_bars(
     width = 0.82 / count
     if ax is None:
         inches = max(6.0, 0.9 + len(quantities) * max(0.62, 0.13 * count))
-        ax = style.new_figure(min(inches, 16.0), 3.6 + 0.17 * (-(-count // 4))).add_subplot()
+        _, rows = style.columns(values, 0.85 * min(inches, 16.0))
+        ax = style.new_figure(min(inches, 16.0), 3.5 + 0.18 * rows).add_subplot()
     top = max((v for row in values.values() for v in row.values() if np.isfinite(v)), default=0.0) or 1.0
     for n, (name, row) in enumerate(values.items()):
         heights = np.array([row.get(q, np.nan) for q in quantities], dtype=np.float64)
@@ -91,7 +92,8 @@ def transmittance_bars(
     for edge in ("top", "right"):
         ax.spines[edge].set_visible(False)
     ax.set_title(title)
-    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=min(count, 4))
+    across, _ = style.columns(values, 0.85 * float(style.figure_of(ax).get_figwidth()))
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=across)
     return style.figure_of(ax)
 
 

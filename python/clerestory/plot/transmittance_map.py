@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -78,12 +79,13 @@ def transmittance_map(
         norm, colours = Normalize(low, high), style.difference_colours()
         title, quantity = f"{label or 'first'} − {minus_label or 'second'}", f"difference of {symbol}"
     if ax is None:
-        ax = style.new_figure(6.0, 5.5).add_subplot()
+        ax = style.new_figure(6.0, 5.4 + 0.18 * (len(title) // 60)).add_subplot()
     figure = style.figure_of(ax)
     image = paint(ax, values, norm)
     image.set_cmap(colours)
     disk.frame(ax, projection, words=disk.INCIDENT_WORDS)
     words = component_words(name, side, scatter, by_reciprocity=any(r for _, r in models))
+    title = "\n".join(textwrap.wrap(title, 60))
     ax.set_title("\n".join(t for t in (title, words, "incident directions, as seen from the room") if t))
     bar = figure.colorbar(image, ax=ax, shrink=0.82, pad=0.02, extend=style.extend(values, norm))
     bar.set_label(f"{quantity} [–]")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, get_args
 
@@ -163,7 +164,7 @@ class View:
     @property
     def title(self) -> str:
         """Three lines: whose data, which component lit from where, and how much of the light leaves."""
-        head = [self.label] if self.label else []
+        head = textwrap.wrap(self.label, 60)
         total = f"{self.symbol} = {figures(self.total())}"
         return "\n".join([*head, self.component, f"incident {self.light.words};  {total}"])
 
