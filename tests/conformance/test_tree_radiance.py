@@ -14,6 +14,8 @@ from samples import find_samples
 
 PAIRS = 1000
 FILES = find_samples("tensortree")
+LOADED: dict[Path, object] = {}
+"""Files in Radiance's library; it hangs in a later load when one of them is freed."""
 
 
 def disk_points(rng, n):
@@ -44,7 +46,9 @@ def both(request, require_pyradiance, sample_data, tmp_path):
         plain.write_bytes(gzip.decompress(path.read_bytes()))
         path = plain
     library = require_pyradiance.bsdf
-    return library, library.load_file(str(path)), clerestory.read(path)
+    if request.param not in LOADED:
+        LOADED[request.param] = library.load_file(str(path))
+    return library, LOADED[request.param], clerestory.read(path)
 
 
 def components(bsdf):
