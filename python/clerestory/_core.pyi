@@ -177,5 +177,5 @@ class System:
     def absorptance(self, band: str | None, side_name: str) -> _Floats: ...
 
 def distances(
-    models: list[Model], incident: _Floats, progress: Callable[[float], object] | None = None
+    models: list[Model], own: int, incident: _Floats, progress: Callable[[float], object] | None = None
 ) -> tuple[_Floats, _Floats]: ...

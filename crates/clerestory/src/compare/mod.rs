@@ -52,6 +52,18 @@ pub fn relative_l1(models: [&Model; 2], lights: [&Distribution; 2], incident: Di
     if mean <= 0.0 {
         return 0.0;
     }
+    if let [Model::Matrix(a), Model::Matrix(b)] = models
+        && a.outgoing() == b.outgoing()
+    {
+        // The same sum patch by patch.
+        let patches = [a, b].map(|m| m.incident().patch_of(incident));
+        let basis = a.outgoing();
+        let difference = |o| (a.value(patches[0], o) - b.value(patches[1], o)).abs();
+        let sum: f64 = (0..basis.len())
+            .map(|o| difference(o) * basis.projected_solid_angle(o))
+            .sum();
+        return sum / mean;
+    }
     let one_sided = |light: &Distribution, other: &Model| -> f64 {
         light
             .points
@@ -73,10 +85,15 @@ pub fn relative_l1(models: [&Model; 2], lights: [&Distribution; 2], incident: Di
     (scattered + peaks) / mean
 }
 
-/// Distances between all pairs of models: `result[k][i]` is of the pair k, in the order (0, 1), (0, 2) … (1, 2) …, for
-/// incident direction i.
-pub fn pairwise(models: &[Arc<Model>], incidents: &[Disk], progress: &Progress) -> Result<Vec<Vec<Distance>>> {
-    let pairs: Vec<(usize, usize)> = (0..models.len())
+/// Distances between the first `own` models and all others: `result[k][i]` is of the pair k, in the order (0, 1), (0, 2) …
+/// (1, 2) …, for incident direction i. Models after the first `own` are not compared with each other.
+pub fn pairwise(
+    models: &[Arc<Model>],
+    own: usize,
+    incidents: &[Disk],
+    progress: &Progress,
+) -> Result<Vec<Vec<Distance>>> {
+    let pairs: Vec<(usize, usize)> = (0..own.min(models.len()))
         .flat_map(|a| (a + 1..models.len()).map(move |b| (a, b)))
         .collect();
     let mut result: Vec<Vec<Distance>> = vec![Vec::with_capacity(incidents.len()); pairs.len()];
@@ -144,6 +161,21 @@ mod tests {
     }
 
     #[test]
+    fn points_and_patches_give_one_sum() {
+        let lobe = |w: f64| move |i: Disk, o: Disk| 0.02 + (-(i.angle_to(o) / w).powi(2)).exp();
+        let (a, b) = (
+            matrix(Basis::klems_full(), lobe(0.3)),
+            matrix(Basis::klems_full(), lobe(0.4)),
+        );
+        let as_sum = Model::Sum(Sum::new(vec![(1.0, Arc::new(b.clone()))]).unwrap());
+        for incident in [Disk::NORMAL, Disk::new(-0.2, 0.7)] {
+            let (patches, points) = (distance(&a, &b, incident), distance(&a, &as_sum, incident));
+            assert!((patches.relative_l1 - points.relative_l1).abs() < 1e-9);
+            assert!(patches.relative_l1 > 0.1);
+        }
+    }
+
+    #[test]
     fn beams_of_one_direction_cancel() {
         let d = distance(&with_beam(0.5, 0.2), &with_beam(0.3, 0.2), Disk::new(-0.3, 0.1));
         assert!((d.relative_l1 - 0.2 / 0.6).abs() < 1e-9, "{}", d.relative_l1);
@@ -198,7 +230,7 @@ mod tests {
         .map(Arc::new)
         .collect();
         let incidents = [Disk::NORMAL, Disk::new(0.0, -0.6)];
-        let all = pairwise(&models, &incidents, &Progress::default()).unwrap();
+        let all = pairwise(&models, 4, &incidents, &Progress::default()).unwrap();
         assert_eq!(all.len(), 6);
         let index = |a: usize, b: usize| [[9, 0, 1, 2], [0, 9, 3, 4], [1, 3, 9, 5], [2, 4, 5, 9]][a][b];
         for (i, &incident) in incidents.iter().enumerate() {
@@ -225,7 +257,7 @@ mod tests {
         let models = [Arc::new(lambertian(0.1)), Arc::new(lambertian(0.2))];
         let progress = Progress::default();
         progress.stop();
-        let result = pairwise(&models, &[Disk::NORMAL], &progress);
+        let result = pairwise(&models, 2, &[Disk::NORMAL], &progress);
         assert_eq!(result, Err(crate::Error::Interrupted));
     }
 }

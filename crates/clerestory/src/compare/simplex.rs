@@ -40,6 +40,36 @@ fn least_difference(a: &[f64], b: &[f64]) -> f64 {
     least.into_iter().fold(rest, f64::min)
 }
 
+/// A flow to begin with: first between pairs, then from each source in turn to the nearest sinks that can still take. Each
+/// part uses up a source or a sink, so that there are no cycles.
+fn first_flow(supply: &[u64], demand: &[u64], costs: &[f64], pairs: &[(usize, usize)]) -> Vec<(usize, usize, u64)> {
+    let (mut left, mut open) = (supply.to_vec(), demand.to_vec());
+    let mut flows = Vec::with_capacity(supply.len() + demand.len());
+    let mut send = |i: usize, j: usize, left: &mut [u64], open: &mut [u64]| {
+        let flow = left[i].min(open[j]);
+        left[i] -= flow;
+        open[j] -= flow;
+        flows.push((i, j, flow));
+    };
+    for &(i, j) in pairs {
+        send(i, j, &mut left, &mut open);
+    }
+    let mut sinks: Vec<usize> = (0..demand.len()).filter(|&j| open[j] > 0).collect();
+    for i in 0..supply.len() {
+        let row = &costs[i * demand.len()..(i + 1) * demand.len()];
+        while left[i] > 0 {
+            let nearest = (0..sinks.len()).min_by(|&a, &b| row[sinks[a]].total_cmp(&row[sinks[b]]));
+            let place = nearest.expect("supply and demand sum to the same");
+            let j = sinks[place];
+            send(i, j, &mut left, &mut open);
+            if open[j] == 0 {
+                sinks.swap_remove(place);
+            }
+        }
+    }
+    flows
+}
+
 /// Spanning tree: sources, then sinks, then the root.
 struct Basis<'a> {
     sources: usize,
@@ -67,38 +97,45 @@ impl<'a> Basis<'a> {
             sinks,
             costs,
             parent: vec![root; root],
-            flow: supply.iter().chain(demand).copied().collect(),
-            depth: vec![1; root + 1],
-            potential: vec![-ARTIFICIAL; sources],
+            flow: vec![0; root],
+            depth: vec![0; root + 1],
+            potential: vec![0.0; root + 1],
             first_child: vec![NONE; root + 1],
             next: vec![NONE; root],
             previous: vec![NONE; root],
             row: 0,
             stack: Vec::new(),
         };
-        basis.depth[root] = 0;
-        basis.potential.extend(std::iter::repeat_n(ARTIFICIAL, sinks));
-        basis.potential.push(0.0);
-        for &(i, j) in pairs {
-            let j = sources + j;
-            // The lesser one hangs below the other, which sends or takes the rest by the root.
-            let (upper, lower) = if supply[i] >= demand[j - sources] {
-                (i, j)
-            } else {
-                (j, i)
-            };
-            basis.flow[upper] -= basis.flow[lower];
-            basis.parent[lower] = upper;
-            basis.depth[lower] = 2;
-            let cost = basis.arc_cost(i, j);
-            basis.potential[lower] = if lower == j {
-                basis.potential[i] + cost
-            } else {
-                basis.potential[j] - cost
-            };
+        let mut neighbours: Vec<Vec<(usize, u64)>> = vec![Vec::new(); root];
+        for (i, j, flow) in first_flow(supply, demand, costs, pairs) {
+            neighbours[i].push((sources + j, flow));
+            neighbours[sources + j].push((i, flow));
         }
-        for node in 0..root {
-            basis.attach(node, basis.parent[node]);
+        // Each connected part hangs on the root by one of its sources, with no flow between.
+        for top in 0..sources {
+            if basis.depth[top] > 0 {
+                continue;
+            }
+            basis.depth[top] = 1;
+            basis.potential[top] = -ARTIFICIAL;
+            basis.attach(top, root);
+            basis.stack.push(top);
+            while let Some(node) = basis.stack.pop() {
+                for &(other, flow) in &neighbours[node] {
+                    if basis.depth[other] > 0 {
+                        continue;
+                    }
+                    basis.depth[other] = basis.depth[node] + 1;
+                    basis.flow[other] = flow;
+                    basis.potential[other] = if basis.upward(node) {
+                        basis.potential[node] + basis.arc_cost(node, other)
+                    } else {
+                        basis.potential[node] - basis.arc_cost(other, node)
+                    };
+                    basis.attach(other, node);
+                    basis.stack.push(other);
+                }
+            }
         }
         basis
     }

@@ -1,7 +1,7 @@
 //! Transport distance (Wasserstein-1, earth mover's distance) between two distributions of light on a hemisphere, with the
 //! angle between directions as the cost: the least mean angle by which light has to be turned to make one from the other.
 //!
-//! Each distribution is gathered into cells of about 6° that carry its flux at its own centre of gravity, and peaks at their
+//! Each distribution is gathered into cells of about 7° that carry its flux at its own centre of gravity, and peaks at their
 //! own direction. Between two such sets of points the distance is exact, hence a metric. A narrow lobe keeps its
 //! position to a fraction of a cell however it falls on the cells; what differs within one cell and has the same centre
 //! of gravity there is not seen. One diffuser on two different partitions comes out at up to 0.2°: the floor of the method
@@ -16,8 +16,8 @@ use crate::basis::{Basis, Ring};
 use crate::direction::{Direction, Side};
 
 /// Rings about the middle cell, which is as wide as they are.
-const RINGS: u32 = 14;
-/// Width of a cell (radians), 6.2°.
+const RINGS: u32 = 12;
+/// Width of a cell (radians), 7.2°.
 pub const CELL_WIDTH: f64 = FRAC_PI_2 / (RINGS as f64 + 0.5);
 /// Flux is counted in this many parts, as whole numbers.
 const PARTS: f64 = (1_u64 << 50) as f64;
@@ -197,7 +197,7 @@ mod tests {
                         let expected = 0.7 * shift;
                         let found = transport(&base, &moved).unwrap().to_degrees();
                         assert!(
-                            (found / expected - 1.0).abs() < 0.06,
+                            (found / expected - 1.0).abs() < 0.1,
                             "lobe of {width}° at {theta}°, {phi}° shifted by {shift}°: {found}° for {expected}°"
                         );
                     }
