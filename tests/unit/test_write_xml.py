@@ -154,7 +154,7 @@ def test_a_missing_transmission_side_is_filled_by_reciprocity(tmp_path):
 def test_energyplus_does_without_the_exterior_reflection(tmp_path):
     faces = [("exterior", "transmission"), ("interior", "reflection")]
     bsdf = sample("visible", "solar", faces=faces).with_metadata(**THERMAL)
-    with pytest.raises(MissingDataError, match="--thermal-conductivity"):
+    with pytest.raises(MissingDataError, match="--conductivity"):
         bsdf.write(tmp_path / "a.xml", target="energyplus")
     whole = bsdf.with_metadata(thermal_conductivity=0.2)
     notes = whole.write(tmp_path / "a.xml", target="energyplus")

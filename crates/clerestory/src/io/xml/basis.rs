@@ -253,7 +253,7 @@ pub(super) fn settle(
                 "angle basis {}, is not listed either, and {count} values fit no standard basis",
                 if incident.basis().is_none() { incident } else { outgoing }.words()
             ),
-            remedy: "list it under <DataDefinition>, or say which basis it is".into(),
+            remedy: "list it under <DataDefinition>, or name it with --assume-basis".into(),
         },
     })
 }

@@ -128,9 +128,9 @@ impl Decoder<'_, '_> {
                 text.push(c);
                 rest = &after[length..];
             } else {
-                let word = after.split(char::is_whitespace).next().unwrap_or_default();
-                let word = shortened(&format!("&{word}"));
-                let what = format!("{word} is no reference that XML knows; kept as it is");
+                // A few characters only: text without blanks may be long, and full of these.
+                let word: String = after.chars().take(20).take_while(|c| !c.is_whitespace()).collect();
+                let what = format!("\"&{word}\" is no reference that XML knows; kept as it is");
                 self.faults.warn(node.at, node.name, what);
                 text.push('&');
                 rest = after;

@@ -505,12 +505,12 @@ impl<'d> Reader<'d, '_, '_> {
                     "direction {} does not say from which side the light comes",
                     shortened(&text)
                 ),
-                "write Front (from the exterior) or Back there, or say the side",
+                "write Front (from the exterior) or Back there, or give the side with --assume-side",
             ),
             _ => self.fail(
                 node,
                 format!("direction {} is not known", shortened(&text)),
-                "write Transmission Front, Transmission Back, Reflection Front or Reflection Back",
+                "write Transmission or Reflection with Front or Back there, or give --assume-side and --assume-scatter",
             ),
         }
     }

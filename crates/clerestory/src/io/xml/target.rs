@@ -209,7 +209,7 @@ fn need_thermal(metadata: &Metadata, target: Target) -> Result<()> {
         ("thickness_m", "--thickness"),
     ];
     if target == Target::EnergyPlus {
-        needed.push(("thermal_conductivity", "--thermal-conductivity"));
+        needed.push(("thermal_conductivity", "--conductivity"));
     }
     let mut missing = Vec::new();
     for (name, option) in needed {
