@@ -21,6 +21,8 @@ SUN_DEG = 0.53
 """Width of the sun [°]."""
 LIMITS_DEG = {"illuminance": 15.0, "glare": 2.0, "ase": 2.0}
 """Resolution [°] that a purpose asks for: a patch of the sky; or little more than the sun, whose image glares."""
+COARSE_DEG = 30.0
+"""Resolution [°] above which no beam can be told from scattered light."""
 BEAM = 3e-4
 """Transmittance of a through-beam below which the sun behind it neither glares nor counts as direct sun."""
 
@@ -94,6 +96,8 @@ def _has_beam(bsdf: Bsdf, band: str) -> bool:
     for theta in PROBES_DEG:
         d = direction(theta, 90.0)
         resolution = float(bsdf.resolution_deg(d, "transmission", band))
+        if resolution > COARSE_DEG:
+            continue
         inner = direct_direct(bsdf, d, band=band, cone_deg=1.5 * resolution).value
         outer = direct_direct(bsdf, d, band=band, cone_deg=3.0 * resolution).value
         # Light spread evenly would put a quarter of the large cone into the small one.
