@@ -80,19 +80,27 @@ def where_light_goes(
 
     Notes
     -----
-    Shares are those of 4,096 low-discrepancy samples of the model, good to about one per cent.
+    Shares are those of 4,096 low-discrepancy samples of the model, good to about one per cent. A model that answers by
+    reciprocity without a table of its own, such as an isotropic tensor tree, is sampled as its mean over Klems full
+    patches.
     """
     name = band_name(bsdf, band)
     flows = []
     for side in sides:
         for scatter in scatters:
             try:
-                _, by_reciprocity = bsdf.model(side, scatter, name)
+                model, by_reciprocity = bsdf.model(side, scatter, name)
             except MissingDataError:
                 continue
             if by_reciprocity and (side, scatter) == ("interior", "transmission"):
                 continue  # it would only say again what the exterior's data say
-            flows += [_flow(bsdf, name, side, scatter, float(e), reciprocal=by_reciprocity) for e in elevations_deg]
+            sampled = bsdf
+            if model.kind == "reversed":
+                # Such a model is sampled by trial and error; its mean over patches has a table.
+                sampled = bsdf.to_matrix("klems-full", samples=64, bands=[name])
+            flows += [
+                _flow(bsdf, sampled, name, side, scatter, float(e), reciprocal=by_reciprocity) for e in elevations_deg
+            ]
     return flows
 
 
@@ -106,9 +114,18 @@ def band_name(bsdf: Bsdf, band: str | None = None) -> str:
     raise MissingDataError(f"no band {band!r} (the data set has: {', '.join(bsdf.bands)})")
 
 
-def _flow(bsdf: Bsdf, band: str, side: Side, scatter: Scatter, elevation_deg: float, *, reciprocal: bool) -> Flow:
+def _flow(
+    bsdf: Bsdf,
+    sampled: Bsdf,
+    band: str,
+    side: Side,
+    scatter: Scatter,
+    elevation_deg: float,
+    *,
+    reciprocal: bool,
+) -> Flow:
     incident = direction(abs(elevation_deg), 90.0 if elevation_deg >= 0.0 else 270.0, side=side)
-    samples = bsdf.sample(np.broadcast_to(incident, (_SAMPLES, 3)), _numbers(), band, scatter=scatter)
+    samples = sampled.sample(np.broadcast_to(incident, (_SAMPLES, 3)), _numbers(), band, scatter=scatter)
     weights = samples.weights
     total = float(bsdf.integrate(incident, scatter, band=band))
     power = float(weights.sum())

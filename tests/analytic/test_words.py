@@ -101,6 +101,19 @@ def test_only_sides_with_data_speak():
     assert {f.side for f in flows} == {"exterior"}
 
 
+def test_an_isotropic_tree_answers_for_the_other_side():
+    """A broad lobe about the straight direction: rank 3 has no table of its reverse, and still answers at once."""
+    middles = (np.arange(16) + 0.5) / 16
+    radius, a, b = np.meshgrid(middles[:8], middles, middles, indexing="ij")
+    lobe = 0.3 * np.exp(-20.0 * ((a - (1.0 - radius)) ** 2 + (b - 0.5) ** 2))
+    bsdf = Bsdf.from_models({("interior", "transmission"): Model.tree_from_grid(lobe)})
+    flow = exterior(bsdf, 50.0)
+    assert flow.by_reciprocity
+    assert flow.downward > 0.8
+    assert flow.left == pytest.approx(flow.right, abs=0.05)
+    assert flow.total > 0.01
+
+
 def test_bands_and_per_cent():
     bsdf = Bsdf.from_models({"solar": {("exterior", "transmission"): Model.lambertian(0.4)}})
     assert band_name(bsdf) == "solar"

@@ -58,18 +58,20 @@ def purpose(bsdf: Bsdf, band: str, wanted: Purpose) -> Iterator[Finding]:
                 "use Klems full data or finer",
             )
         else:
-            yield Finding("note", "purpose", where, f"the resolution{_degrees(worst)} serves {_NEEDS[wanted]}", "")
+            yield Finding(
+                "note", "purpose", where, f"the resolution{_degrees(worst)} is fine enough for {_NEEDS[wanted]}", ""
+            )
         return
     if worst <= limit or peaks:
-        beam = "the through-beam is separate" if peaks else f"the resolution{_degrees(worst)}"
-        yield Finding("note", "purpose", where, f"{beam}, which serves {_NEEDS[wanted]}", "")
+        reason = "the through-beam is separate, which is" if peaks else f"the resolution{_degrees(worst)} is"
+        yield Finding("note", "purpose", where, f"{reason} fine enough for {_NEEDS[wanted]}", "")
         return
     if not _has_beam(bsdf, band):
         yield Finding(
             "note",
             "purpose",
             where,
-            f"the data resolve only {worst:.2g}° and show no through-beam; if the sample has none, they serve "
+            f"the data resolve only {worst:.2g}° and show no through-beam; if the sample has none, they will do for "
             f"{_NEEDS[wanted]}",
             "look at the sample against a lamp: is it seen sharply?",
         )
