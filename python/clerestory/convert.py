@@ -62,11 +62,11 @@ class Operations:
     ) -> Self:
         """All components as matrices: the mean BSDF over every pair of patches.
 
-        Matrices, Lambertian components and ideal beams of one value are converted exactly, everything else by
-        low-discrepancy directions, cosine-weighted in both patches. Peaks become the mean BSDF of the patch that they
-        fall into; peaks that were separated go back into their table. Nothing is scaled afterwards; `conversion` of the
-        result tells the errors. Standard errors of
-        matrices are carried along.
+        Matrices, tensor trees, Lambertian components and ideal beams of one value are converted exactly, by the overlaps
+        of patches and cells (isotropic trees in steps of a quarter degree of azimuth). Everything else is sampled by
+        low-discrepancy directions, cosine-weighted in both patches. Ideal beams become the mean BSDF of the patch that
+        they fall into; peaks that were separated go back into their table. Nothing is scaled afterwards; `conversion`
+        of the result tells the errors. Standard errors of matrices are carried along.
 
         Parameters
         ----------
@@ -75,7 +75,7 @@ class Operations:
         outgoing
             Patches of the outgoing directions, where they differ from the incident ones.
         samples
-            Pairs of directions a patch pair; 256 to 512 are usual.
+            Pairs of directions a patch pair, where any are needed; 256 to 512 are usual.
         bands
             The bands that the result holds; all by default.
         seed

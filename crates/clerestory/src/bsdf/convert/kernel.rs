@@ -2,9 +2,10 @@
 
 use rayon::prelude::*;
 
+use super::leaves;
 use super::overlap::shares;
 use super::points::Points;
-use crate::bsdf::{Matrix, Model, Part, Rank, Scatterer, Specular, Tree, Turn};
+use crate::bsdf::{Matrix, Model, Part, Scatterer, Specular, Turn};
 use crate::direction::Disk;
 use crate::error::Result;
 use crate::progress::Progress;
@@ -41,7 +42,8 @@ pub fn steps(model: &Model, incident: usize) -> usize {
     match model {
         Model::Sum(s) => s.parts().iter().map(|(_, m)| steps(m, incident)).sum(),
         Model::Turned(t) => steps(t.base(), incident),
-        Model::Matrix(_) | Model::Lambertian(_) => 0,
+        Model::Matrix(_) | Model::Lambertian(_) | Model::Specular(Specular::Constant(_)) => 0,
+        Model::Tree(t) if t.depth() <= leaves::MAX_DEPTH => 0,
         Model::Tree(_) | Model::Specular(_) | Model::Reversed(_) | Model::Separated(_) => incident,
     }
 }
@@ -63,11 +65,10 @@ pub fn means(model: &Model, turn: Turn, incident: &Points, outgoing: &Points, pr
         }
         Model::Turned(t) => means(t.base(), turn.after(t.turn()), incident, outgoing, progress),
         Model::Specular(Specular::Constant(value)) => Ok(of_constant_beam(*value, incident, outgoing)),
-        Model::Tree(tree) if tree.rank() == Rank::Isotropic => {
-            of_isotropic_tree(tree, turn, incident, outgoing, progress)
+        Model::Tree(tree) if tree.depth() <= leaves::MAX_DEPTH => {
+            leaves::means(tree, turn, &incident.basis, &outgoing.basis, progress).map(Means::exact)
         }
-        Model::Tree(tree) => of_anisotropic_tree(tree, turn, incident, outgoing, progress),
-        Model::Specular(_) | Model::Reversed(_) | Model::Separated(_) => {
+        Model::Tree(_) | Model::Specular(_) | Model::Reversed(_) | Model::Separated(_) => {
             of_points(model, turn, incident, outgoing, progress)
         }
     }
@@ -110,100 +111,6 @@ fn of_constant_beam(value: f64, incident: &Points, outgoing: &Points) -> Means {
         values.extend(row);
     }
     Means::exact(values)
-}
-
-fn of_anisotropic_tree(
-    tree: &Tree,
-    turn: Turn,
-    incident: &Points,
-    outgoing: &Points,
-    progress: &Progress,
-) -> Result<Means> {
-    let (back, rank) = (turn.inverse(), tree.rank());
-    let codes_in: Vec<u64> = incident
-        .all()
-        .iter()
-        .map(|&p| rank.incident_code(back.apply(p)))
-        .collect();
-    let codes_out: Vec<u64> = outgoing
-        .all()
-        .iter()
-        .map(|&p| rank.outgoing_code(back.apply(p)))
-        .collect();
-    let n = incident.count;
-    rows(incident, outgoing, progress, |i, halves| {
-        let from = &codes_in[i * n..(i + 1) * n];
-        for (o, to) in codes_out.chunks_exact(n).enumerate() {
-            let mut sums = [0.0; 2];
-            for (k, (a, b)) in from.iter().zip(to).enumerate() {
-                sums[k & 1] += f64::from(tree.value_at(a | b));
-            }
-            halves[0][o] = sums[0];
-            halves[1][o] = sums[1];
-        }
-    })
-}
-
-/// Pairs of patches that a turn about the normal takes into each other have the same mean: one of them is sampled.
-fn of_isotropic_tree(
-    tree: &Tree,
-    turn: Turn,
-    incident: &Points,
-    outgoing: &Points,
-    progress: &Progress,
-) -> Result<Means> {
-    let back = turn.inverse();
-    let apply = |points: &Points| -> Vec<Disk> { points.all().iter().map(|&p| back.apply(p)).collect() };
-    let (from, to) = (apply(incident), apply(outgoing));
-    let (n_out, n) = (outgoing.basis.len(), incident.count);
-    let rings_out = outgoing.basis.rings();
-    // How many cells of an incident ring are sampled for each outgoing ring: the rest are turned into them.
-    let sampled = |ring_in: usize, ring_out: usize| {
-        let (a, b) = (incident.basis.rings()[ring_in].count, rings_out[ring_out].count);
-        a / gcd(a, b)
-    };
-    let mut means = rows(incident, outgoing, progress, |i, halves| {
-        let (ring_in, cell_in) = incident.basis.place(i);
-        for (ring_out, ring) in rings_out.iter().enumerate() {
-            if cell_in >= sampled(ring_in, ring_out) {
-                continue;
-            }
-            let first = outgoing.basis.first_of_ring(ring_out);
-            for cell in 0..ring.count {
-                let o = first + cell;
-                let mut sums = [0.0; 2];
-                for k in 0..n {
-                    sums[k & 1] += tree.evaluate(from[i * n + k], to[o * n + k]);
-                }
-                halves[0][o] = sums[0];
-                halves[1][o] = sums[1];
-            }
-        }
-    })?;
-    for i in 0..incident.basis.len() {
-        let (ring_in, cell_in) = incident.basis.place(i);
-        let count_in = incident.basis.rings()[ring_in].count;
-        for (ring_out, ring) in rings_out.iter().enumerate() {
-            let (period, first) = (sampled(ring_in, ring_out), outgoing.basis.first_of_ring(ring_out));
-            let source = i - cell_in + cell_in % period;
-            // A turn by `cell_in - cell_in % period` incident cells is a whole number of outgoing cells.
-            let shift = (cell_in - cell_in % period) * ring.count / count_in;
-            if source == i {
-                continue;
-            }
-            for cell in 0..ring.count {
-                let from = (cell + ring.count - shift % ring.count) % ring.count;
-                for half in &mut means.halves {
-                    half[i * n_out + first + cell] = half[source * n_out + first + from];
-                }
-            }
-        }
-    }
-    Ok(means)
-}
-
-fn gcd(a: usize, b: usize) -> usize {
-    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 /// Any model: point by point, peaks binned into the patch that they fall into.

@@ -27,8 +27,9 @@ pub struct Conversion {
 /// Mean BSDF of `model` over every pair of patches, cosine-weighted in both. Ideal beams become the mean BSDF of the patch
 /// that they fall into; separated peaks go back into their tables. Nothing is scaled afterwards: the error of the direct-hemispherical values is reported instead.
 ///
-/// A matrix, a Lambertian model and an ideal beam of one value are converted exactly; all others are sampled, by the
-/// same directions for every number of threads.
+/// Matrices, tensor trees, Lambertian models and ideal beams of one value are converted exactly, by the overlaps of patches and
+/// cells (isotropic trees in steps of a quarter degree of azimuth). All others are sampled, by the same directions for every
+/// number of threads.
 pub fn to_matrix(
     model: &Model,
     incident: &Arc<Basis>,
@@ -50,8 +51,9 @@ pub fn to_matrix(
         });
     }
     progress.expect(steps(model, incident.len()));
-    let sources = Points::new(incident, Role::Incident, sampling, progress)?;
-    let targets = Points::new(outgoing, Role::Outgoing, sampling, progress)?;
+    let sources = Points::new(incident, Role::Incident, sampling);
+    let targets = Points::new(outgoing, Role::Outgoing, sampling);
+    progress.check()?;
     let means = means(model, Turn::NONE, &sources, &targets, progress)?;
     let n = f64::from(sampling.samples);
     let weights = [(n / 2.0).ceil() / n, (n / 2.0).floor() / n];
@@ -66,13 +68,18 @@ pub fn to_matrix(
     if let Some(variance) = means.variance {
         matrix = matrix.with_standard_errors(variance.into_iter().map(f64::sqrt).collect())?;
     }
-    let worst_direct_hemispherical = totals(model, &sources).map(|totals| {
-        let difference = |(i, total): (usize, &f64)| (matrix.direct_hemispherical(i) - total).abs();
-        totals.iter().enumerate().map(difference).fold(0.0, f64::max)
-    });
+    let exact = even == odd;
+    let worst_direct_hemispherical = if exact {
+        Some(0.0)
+    } else {
+        totals(model, &sources).map(|totals| {
+            let difference = |(i, total): (usize, &f64)| (matrix.direct_hemispherical(i) - total).abs();
+            totals.iter().enumerate().map(difference).fold(0.0, f64::max)
+        })
+    };
     Ok(Conversion {
         matrix,
-        samples: if even == odd { 0 } else { sampling.samples },
+        samples: if exact { 0 } else { sampling.samples },
         rms_error,
         worst_direct_hemispherical,
     })
@@ -122,6 +129,12 @@ mod tests {
 
     fn convert(model: &Model, basis: &Arc<Basis>, sampling: Sampling) -> Conversion {
         to_matrix(model, basis, basis, sampling, &Progress::default()).unwrap()
+    }
+
+    /// The same model, but one that has to be sampled.
+    fn sampled_only(model: Model) -> Model {
+        let reversed = Arc::new(Model::Reversed(Reversed::new(Arc::new(model))));
+        Model::Reversed(Reversed::new(reversed))
     }
 
     fn of(samples: u32) -> Sampling {
@@ -254,16 +267,15 @@ mod tests {
     }
 
     #[test]
-    fn trees_keep_their_direct_hemispherical_values_within_the_reported_error() {
+    fn trees_keep_their_direct_hemispherical_values() {
         for rank in [Rank::Isotropic, Rank::Anisotropic] {
             let model = Model::Tree(bushy(rank));
             let conversion = to_matrix(&model, &full(), &bases()[1], of(256), &Progress::default()).unwrap();
-            let worst = conversion.worst_direct_hemispherical.unwrap();
-            assert!(worst > 0.0 && worst < 0.02, "{worst}");
+            assert_eq!(conversion.samples, 0);
             for i in [0, 40, 87, 129] {
                 let points = (0..2000).map(|k| full().sample_cosine(i, crate::sequence::r2(k, [0.3; 2])));
                 let mean = points.map(|p| model.total(p, Part::All).value).sum::<f64>() / 2000.0;
-                assert!((conversion.matrix.direct_hemispherical(i) - mean).abs() < 0.02);
+                assert!((conversion.matrix.direct_hemispherical(i) - mean).abs() < 0.01 * mean);
             }
         }
     }
@@ -273,15 +285,8 @@ mod tests {
         for rank in [Rank::Isotropic, Rank::Anisotropic] {
             let model = Model::Tree(bushy(rank));
             let basis = Arc::new(Basis::klems_quarter());
-            let reference = convert(
-                &model,
-                &basis,
-                Sampling {
-                    samples: 16_384,
-                    seed: 99,
-                },
-            )
-            .matrix;
+            let reference = convert(&model, &basis, of(2)).matrix;
+            let model = sampled_only(model);
             for samples in [64, 256] {
                 let (mut actual, mut estimated) = (0.0, 0.0);
                 for seed in 0..4 {
@@ -319,7 +324,7 @@ mod tests {
 
     #[test]
     fn results_do_not_depend_on_the_number_of_threads() {
-        let model = Model::Tree(bushy(Rank::Anisotropic));
+        let model = sampled_only(Model::Tree(bushy(Rank::Anisotropic)));
         let with = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| convert(&model, &Arc::new(Basis::klems_quarter()), of(16)))
@@ -345,7 +350,7 @@ mod tests {
         // Ring 7 has 24 cells, ring 8 has 16: turned by three and two cells.
         let (a, b) = (full().first_of_ring(6), full().first_of_ring(7));
         for o in 0..16 {
-            assert_eq!(matrix.value(a + 3, b + (o + 2) % 16), matrix.value(a, b + o));
+            assert!((matrix.value(a + 3, b + (o + 2) % 16) - matrix.value(a, b + o)).abs() < 1e-9);
         }
     }
 }

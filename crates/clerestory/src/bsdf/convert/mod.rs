@@ -3,9 +3,11 @@
 //! * To a matrix on any pair of bases: [`to_matrix`]; a whole data set: [`all_to_matrix`].
 //! * To a tensor tree: [`to_tree`]; a whole data set: [`all_to_tree`].
 
+mod cover;
 mod dataset;
 mod isotropy;
 mod kernel;
+mod leaves;
 mod matrix;
 mod overlap;
 mod points;
