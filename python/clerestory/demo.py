@@ -32,7 +32,7 @@ OPENNESS = 0.06
 """Share of the area that is open along the normal."""
 CUT_OFF_DEG = (80.0, 62.0)
 """Angle of incidence [°] at which the holes close, in the horizontal and in the vertical plane."""
-SCATTERED = 0.09
+SCATTERED = 0.03
 """Scattered transmittance along the normal."""
 REFLECTANCE = 0.45
 OFF_DEG = 3.0

@@ -51,10 +51,11 @@ def find_turns(sets: Mapping[str, Bsdf], settings: Settings, distances: Sequence
     sets
         Data sets by label.
     distances
-        Between all pairs of them; the last is the mean over all incident directions.
+        Between all pairs of them, at the patches and at last the mean over all incident directions.
     """
     labels = list(sets)
-    square = np.array(distances[-1].transport_deg, dtype=np.float64)
+    # A turn shows at the patches, which lie in one plane of incidence, more than in the mean over all azimuths.
+    square = np.mean([np.array(d.transport_deg, dtype=np.float64) for d in distances[:-1]], axis=0)
     if not np.isfinite(square).all():
         return ()
     mean = square.sum(axis=1) / (len(labels) - 1)

@@ -247,7 +247,7 @@ def _heat(comparison: Comparison) -> list[tuple[str, Table, Table]]:
     """Tables of both distances, the mean first."""
     ordered = [comparison.distances[-1], *comparison.distances[:-1]]
     top_angle = max((v for d in ordered for row in d.transport_deg for v in row if v is not None), default=0.0)
-    heads = tuple(escape(label) for label in comparison.labels)
+    heads = tuple(Markup(k + 1) for k in range(len(comparison.labels)))
 
     def table(matrix: Iterable[Iterable[float | None]], top: float, digits: int) -> Table:
         rows = []
@@ -260,7 +260,7 @@ def _heat(comparison: Comparison) -> list[tuple[str, Table, Table]]:
                     cells.append(Cell("–", "missing", "a data set is dark"))
                 else:
                     cells.append(Cell(f"{v:.{digits}f}", shade=v / top if top > 0.0 else 0.0))
-            rows.append((label, tuple(cells)))
+            rows.append((f"{i + 1}\u2002{label}", tuple(cells)))
         return Table((), heads, tuple(rows))
 
     return [(d.of, table(d.transport_deg, top_angle, 1), table(d.relative_l1, 2.0, 2)) for d in ordered]
@@ -273,6 +273,7 @@ def _stand_ins(comparison: Comparison) -> list[tuple[str, str, Table]]:
         for k, q in enumerate(comparison.quantities)
         if q.group in GROUPS and not (q.group == "hemispherical" and q.of != "uniform")
     ]
+    chosen.sort(key=lambda k: GROUPS.index(comparison.quantities[k].group))
     members = [comparison.quantities[k] for k in chosen]
     heads = (*(_head(q) for q in members), Markup("L1"), Markup("transport"))
     groups = (*_groups(members), (Markup("distance"), 2))

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 TURNS = 24
 """Turns of the isotropic mean."""
-_SAMPLES = 64
+_SAMPLES = 32
 
 
 def made_of(bsdf: Bsdf, label: str, settings: Settings) -> dict[str, tuple[Bsdf, str]]:
