@@ -257,7 +257,9 @@ impl Flux {
             (Some(source), Some(m)) => {
                 let mut left = -m;
                 for (k, round) in self.beam.iter().enumerate() {
-                    left[[k, k]] += 1.0 - round;
+                    // A beam that never leaves is nothing where no light gets into it, as at grazing incidence.
+                    let closed = 1.0 - round < 1e-12 && [m, &source].iter().all(|a| a.row(k).iter().all(|&v| v == 0.0));
+                    left[[k, k]] += if closed { 1.0 } else { 1.0 - round };
                 }
                 Some(linear::solve(&left, &source).ok_or_else(trapped)?)
             }

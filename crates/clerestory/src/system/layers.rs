@@ -619,5 +619,20 @@ mod tests {
         assert!(error.to_string().contains("never leaves"), "{error}");
         // Mirrors that let nothing in trap nothing.
         assert!(stack(&[specular(0.0, 1.0), specular(0.0, 1.0)], &full(), PatchValue::Centre).is_ok());
+        // Nor do panes at grazing incidence, where the outermost patches of this basis have their centres.
+        let basis = Arc::new(Basis::iea21());
+        let rings = basis.rings()[15..]
+            .iter()
+            .enumerate()
+            .map(|(k, ring)| crate::basis::Ring {
+                lower_deg: if k == 0 { 0.0 } else { ring.lower_deg },
+                ..ring.clone()
+            });
+        let basis = Arc::new(Basis::from_rings("grazing", rings.collect()).unwrap());
+        let glass = super::super::pane::pane(Slab::new(1.52, 0.95).unwrap(), "visible").unwrap();
+        let layers = [glass.clone(), random(&basis, 10), glass.clone(), glass];
+        let system = stack(&layers, &basis, PatchValue::Centre).unwrap();
+        let absorbed = system.absorptance(None, Side::Interior).unwrap();
+        assert!(absorbed.iter().flatten().all(|a| (-1e-9..1.0).contains(a)));
     }
 }

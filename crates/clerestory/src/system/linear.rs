@@ -3,16 +3,21 @@
 //! The products are those of `ndarray`; elimination is done in blocks so that nearly all of its work is products.
 
 use ndarray::linalg::general_mat_mul;
-use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
+use ndarray::{Array2, ArrayView1, ArrayView2, ArrayViewMut1, ArrayViewMut2, Axis};
 use rayon::prelude::*;
 
 /// Columns that are eliminated together.
 const BLOCK: usize = 48;
-/// Rows of a product that one thread computes at a time. Fixed, so that the result does not depend on the threads.
-const ROWS: usize = 128;
+/// Rows of a product that one thread computes at a time, from twice as many on. Fixed, so that the result does not depend on
+/// the threads; smaller products are done before another thread would have woken up.
+const ROWS: usize = 256;
 
 /// `target` += `factor` · a · b.
 fn add_product(factor: f64, a: &ArrayView2<'_, f64>, b: &ArrayView2<'_, f64>, target: &mut ArrayViewMut2<'_, f64>) {
+    if a.nrows() < 2 * ROWS {
+        general_mat_mul(factor, a, b, 1.0, target);
+        return;
+    }
     let chunks: Vec<_> = a
         .axis_chunks_iter(Axis(0), ROWS)
         .zip(target.axis_chunks_iter_mut(Axis(0), ROWS))
@@ -32,7 +37,11 @@ pub fn product(a: &Array2<f64>, b: &Array2<f64>) -> Array2<f64> {
 /// x with a · x = b, by Gaussian elimination with row pivots; None where `a` is singular.
 pub fn solve(a: &Array2<f64>, b: &Array2<f64>) -> Option<Array2<f64>> {
     let n = a.nrows();
-    let mut work = ndarray::concatenate(Axis(1), &[a.view(), b.view()]).expect("as many rows");
+    // Both side by side, row by row in memory.
+    let mut work = Array2::zeros((n, n + b.ncols()));
+    let (mut left, mut right) = work.view_mut().split_at(Axis(1), n);
+    left.assign(a);
+    right.assign(b);
     for begin in (0..n).step_by(BLOCK) {
         let end = (begin + BLOCK).min(n);
         eliminate_panel(&mut work, begin, end)?;
@@ -44,7 +53,7 @@ pub fn solve(a: &Array2<f64>, b: &Array2<f64>) -> Option<Array2<f64>> {
             let (done, mut rest) = right.view_mut().split_at(Axis(0), row);
             let mut target = rest.row_mut(0);
             for (k, source) in done.rows().into_iter().enumerate() {
-                target.scaled_add(-left[[row, begin + k]], &source);
+                subtract(left[[row, begin + k]], &source, target.view_mut());
             }
         }
         let (left, mut target) = below.split_at(Axis(1), end);
@@ -52,14 +61,14 @@ pub fn solve(a: &Array2<f64>, b: &Array2<f64>) -> Option<Array2<f64>> {
         add_product(-1.0, &factors.view(), &right.view(), &mut target);
     }
     let (upper, right) = work.view().split_at(Axis(1), n);
-    let mut x = right.to_owned();
+    let mut x = right.as_standard_layout().into_owned();
     for begin in (0..n).step_by(BLOCK).rev() {
         let end = (begin + BLOCK).min(n);
         for row in (begin..end).rev() {
             let (mut above, below) = x.view_mut().split_at(Axis(0), row + 1);
             let mut target = above.row_mut(row);
             for k in row + 1..end {
-                target.scaled_add(-upper[[row, k]], &below.row(k - row - 1));
+                subtract(upper[[row, k]], &below.row(k - row - 1), target.view_mut());
             }
             target /= upper[[row, row]];
         }
@@ -70,6 +79,15 @@ pub fn solve(a: &Array2<f64>, b: &Array2<f64>) -> Option<Array2<f64>> {
         add_product(-1.0, &factors, &block.view(), &mut above);
     }
     Some(x)
+}
+
+/// `target` -= `factor` · source, for rows.
+fn subtract(factor: f64, source: &ArrayView1<'_, f64>, target: ArrayViewMut1<'_, f64>) {
+    let source = source.to_slice().expect("rows lie in one piece");
+    let target = target.into_slice().expect("rows lie in one piece");
+    for (t, s) in target.iter_mut().zip(source) {
+        *t -= factor * s;
+    }
 }
 
 /// Eliminates columns `begin..end` below the diagonal, within these columns only; factors take the place of the zeros.
@@ -97,7 +115,7 @@ fn eliminate_panel(work: &mut Array2<f64>, begin: usize, end: usize) -> Option<(
         for mut row in lower.rows_mut() {
             let factor = row[0] / source[0];
             if factor != 0.0 {
-                row.scaled_add(-factor, &source);
+                subtract(factor, &source, row.view_mut());
             }
             row[0] = factor;
         }
