@@ -26,9 +26,7 @@ def report(data: Path) -> str:
     for name in FILES:
         with tempfile.TemporaryDirectory() as folder:
             # The library keeps what it has loaded by file name: every run reads a copy of its own.
-            copies = [
-                Path(shutil.copy(data / name, Path(folder) / f"{k}.xml")) for k in range(REPETITIONS + 1)
-            ]
+            copies = [Path(shutil.copy(data / name, Path(folder) / f"{k}.xml")) for k in range(REPETITIONS + 1)]
             for copy in copies:
                 copy.read_bytes()
             pair = alternate(

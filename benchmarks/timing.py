@@ -40,9 +40,7 @@ def seconds(job: Callable[[], object]) -> float:
     return time.perf_counter() - start
 
 
-def alternate(
-    ours: Callable[[int], object], theirs: Callable[[int], object], repetitions: int = REPETITIONS
-) -> Pair:
+def alternate(ours: Callable[[int], object], theirs: Callable[[int], object], repetitions: int = REPETITIONS) -> Pair:
     """Runs both in turn, after one run of each that does not count. They are given the number of the run."""
     ours(repetitions)
     theirs(repetitions)

@@ -62,8 +62,8 @@ class Operations:
     ) -> Self:
         """All components as matrices: the mean BSDF over every pair of patches.
 
-        Matrices, tensor trees, Lambertian components and ideal beams of one value are converted exactly, by the overlaps
-        of patches and cells (isotropic trees in steps of a quarter degree of azimuth). Everything else is sampled by
+        Matrices, tensor trees, Lambertian components and ideal beams of one value are converted exactly, by overlaps of
+        patches and cells (isotropic trees in steps of a quarter degree of azimuth). Everything else is sampled by
         low-discrepancy directions, cosine-weighted in both patches. Ideal beams become the mean BSDF of the patch that
         they fall into; peaks that were separated go back into their table. Nothing is scaled afterwards; `conversion`
         of the result tells the errors. Standard errors of matrices are carried along.
