@@ -5,12 +5,13 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-import clerestory
 import numpy as np
 import pyradiance
+from radiance import compare
+
+import clerestory
 from clerestory.directions import SIDES, direction
 from conformance.test_separate_peaks import DIRECTIONS, KLEMS, TREES, agree, beams, radiance_beams
-from radiance import compare
 from samples import find_samples
 from timing import table
 

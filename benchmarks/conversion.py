@@ -8,9 +8,10 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-import clerestory
 import numpy as np
 import pyradiance
+
+import clerestory
 from clerestory.directions import SCATTERS, SIDES
 from timing import Pair, row, seconds, table
 
@@ -87,8 +88,8 @@ def report(data: Path) -> str:
     head = ["file", "Clerestory [s]", "bsdf2klems [s]", "ratio", "spread", "components", "difference"]
     return f"""### Tensor tree to Klems full
 
-Aim: at least 20 times. {SAMPLES} samples a patch pair on both sides, the same components on both sides, {REPETITIONS} runs in
-turn. Start of the process, reading and writing are taken off: for `bsdf2klems` by a run with one sample a patch pair.
+Aim: at least 20 times. {SAMPLES} samples a patch pair on both sides, the same components on both sides, {REPETITIONS}
+runs in turn. Start of the process, reading and writing are taken off: for `bsdf2klems` by a run with one sample a pair.
 Clerestory works on all processors, `bsdf2klems` on one. The difference is the RMS over all patch pairs, weighted by
 projected solid angle, over the mean: both results carry sampling noise.
 

@@ -6,8 +6,9 @@ import shutil
 import tempfile
 from pathlib import Path
 
-import clerestory
 from pyradiance import bsdf as library
+
+import clerestory
 from timing import REPETITIONS, alternate, row, table
 
 FILES = (

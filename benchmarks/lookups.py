@@ -6,9 +6,10 @@ import statistics
 import subprocess
 from pathlib import Path
 
-import clerestory
 import numpy as np
 from pyradiance import bsdf as library
+
+import clerestory
 from timing import REPETITIONS, Pair, alternate, row, table
 
 FILES = ("klems/ExtVenetianBlind_17tilt.xml", "tensortree/b30.xml", "tensortree/pyradiance_t3.xml")
@@ -84,8 +85,8 @@ def report(data: Path) -> str:
     return f"""### Look-ups and samples
 
 From Python: {COUNT:,} random directions in one call of Clerestory; pyradiance's calls take one direction each, so
-{THEIR_COUNT:,} are timed and scaled. {REPETITIONS} runs in turn. The share of the binding is the time of the same call on
-a Lambertian model, which costs next to nothing to look up.
+{THEIR_COUNT:,} are timed and scaled. {REPETITIONS} runs in turn. The share of the binding is the time of the same call
+on a Lambertian model, which costs next to nothing to look up.
 
 {table(head, rows)}
 

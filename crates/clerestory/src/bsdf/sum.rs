@@ -126,12 +126,9 @@ impl Scatterer for Sum {
     }
 
     fn resolution(&self, incident: Disk) -> f64 {
-        self.parts
-            .iter()
-            .map(|(_, m)| m.resolution(incident))
-            .filter(|&r| r > 0.0)
-            .fold(f64::INFINITY, f64::min)
-            .min(std::f64::consts::PI)
+        let tables = self.parts.iter().map(|(_, m)| m.resolution(incident));
+        // Parts without a grid resolve everything, and say nothing of the tables beside them.
+        tables.filter(|&r| r > 0.0).reduce(f64::min).unwrap_or(0.0)
     }
 }
 
