@@ -14,7 +14,7 @@ demo: setup
 
 # Every test, Rust and Python.
 test: setup
-	cargo test --locked --release --package clerestory
+	cargo test --locked --profile checked --package clerestory
 	$(BIN)/pytest -n 2 --dist loadfile
 
 lint: setup
