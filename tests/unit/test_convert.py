@@ -2,7 +2,6 @@
 
 import _thread
 import threading
-import time
 
 import numpy as np
 import pytest
@@ -84,12 +83,10 @@ def test_progress_is_told_and_can_stop_the_work():
         shares.append(share)
         raise EnoughError
 
-    begin = time.monotonic()
     with pytest.raises(EnoughError):
         long_job(report)
     assert len(shares) == 1
     assert 0.0 <= shares[0] <= 1.0
-    assert time.monotonic() - begin < 5.0
 
 
 def test_ctrl_c_stops_the_work():

@@ -14,8 +14,11 @@ const POINTS: u32 = 256;
 const ROUNDS: usize = 6;
 /// Relative error at which they are good enough.
 const SETTLED: f64 = 1e-4;
-/// Incident cells an axis in which factors of a tree are told apart, at most 2^this.
-const MOST_LEVELS: u32 = 6;
+/// Incident cells an axis in which factors of a tree are told apart, at least 2^this: fine enough for the narrow outer
+/// rings of the Klems bases.
+const LEAST_LEVELS: u32 = 6;
+/// At most 2^this, for the size of the result.
+const MOST_LEVELS: u32 = 7;
 
 /// `model` with the direct-hemispherical value `values[k]` (all light, peaks too) for each patch `k` of `basis`.
 ///
@@ -136,7 +139,7 @@ fn scale(model: &Model, basis: &Arc<Basis>, factors: &[f64], part: Part) -> Resu
             l.value() * factors[i] / std::f64::consts::PI
         })?),
         Model::Tree(t) => {
-            let levels = (t.depth() + 1).clamp(5, MOST_LEVELS);
+            let levels = (t.depth() + 1).clamp(LEAST_LEVELS, MOST_LEVELS);
             Model::Tree(t.times_incident(levels, |point| factors[basis.patch_of(point)])?)
         }
         Model::Matrix(m) => {
