@@ -184,17 +184,21 @@ def extend(values: ArrayLike, scale: Normalize) -> Literal["neither", "min", "ma
 
 
 def cross(ax: Axes, point: NDArray[np.float64], label: str = "", *, size: float = 8.0) -> Line2D:
-    """A small cross at a point of a picture, readable on any colour."""
+    """A small cross about a point of a picture, on any colour; open in the middle, so that a beam there is seen."""
+    from matplotlib.path import Path
+
+    arms = [((0.5 * x, 0.5 * y), (x, y)) for x, y in ((1, 0), (0, 1), (-1, 0), (0, -1))]
+    reticle = Path([end for arm in arms for end in arm], [Path.MOVETO, Path.LINETO] * len(arms))
     (mark,) = ax.plot(
         *point,
-        marker="x",
-        markersize=size,
+        marker=reticle,
+        markersize=2.0 * size,
         markeredgewidth=1.2,
         color=INK,
         linestyle="none",
         label=label,
         zorder=6,
-        path_effects=[effects.withStroke(linewidth=3.0, foreground="white")],
+        path_effects=[effects.withStroke(linewidth=2.4, foreground="white")],
     )
     return mark
 
