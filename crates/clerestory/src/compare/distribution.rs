@@ -9,6 +9,8 @@ use crate::sequence::r2;
 
 /// Points a hemisphere, by projected solid angle; every patch and every cell of a tree has at least one.
 const POINTS: f64 = 65_536.0;
+/// One in so many of them is looked up in another model.
+const PROBED: f64 = 4.0;
 
 /// A point of scattered light.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,10 +24,12 @@ pub struct Point {
 }
 
 /// Outgoing light for one incident direction.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Distribution {
     /// Scattered light.
     pub points: Vec<Point>,
+    /// All of it once more at fewer points, to be looked up in other models.
+    pub probes: Vec<Point>,
     /// Directions and values of peaks.
     pub peaks: Vec<(Disk, f64)>,
 }
@@ -34,10 +38,10 @@ impl Distribution {
     /// Of a model. Patches and cells are divided evenly, so that all flux of a table is there, however narrow its peaks;
     /// a model without cells is sampled at 65,536 points.
     pub fn of(model: &Model, incident: Disk) -> Self {
-        let peaks = model.peaks(incident).iter().map(|p| (p.outgoing, p.value)).collect();
-        let mut points = Vec::new();
-        scattered(model, incident, &mut points);
-        Self { points, peaks }
+        let mut light = Self::default();
+        light.add_scattered(model, incident);
+        light.peaks = model.peaks(incident).iter().map(|p| (p.outgoing, p.value)).collect();
+        light
     }
 
     /// Flux of scattered light and peaks.
@@ -45,104 +49,114 @@ impl Distribution {
         let scattered: f64 = self.points.iter().map(|p| p.flux).sum();
         scattered + self.peaks.iter().map(|p| p.1).sum::<f64>()
     }
-}
 
-fn scattered(model: &Model, incident: Disk, points: &mut Vec<Point>) {
-    match model {
-        Model::Matrix(matrix) => of_matrix(matrix, incident, points),
-        Model::Tree(tree) => of_tree(tree, incident, points),
-        Model::Turned(turned) => {
-            let first = points.len();
-            scattered(turned.base(), turned.turn().inverse().apply(incident), points);
-            for point in &mut points[first..] {
-                point.outgoing = turned.turn().apply(point.outgoing);
+    fn add_scattered(&mut self, model: &Model, incident: Disk) {
+        match model {
+            Model::Matrix(matrix) => self.add_matrix(matrix, incident),
+            Model::Tree(tree) => self.add_tree(tree, incident),
+            Model::Turned(turned) => {
+                let mut own = Self::default();
+                own.add_scattered(turned.base(), turned.turn().inverse().apply(incident));
+                own.change(|p| p.outgoing = turned.turn().apply(p.outgoing));
+                self.join(own);
             }
-        }
-        Model::Sum(sum) => {
-            let first = points.len();
-            for (weight, part) in sum.parts() {
-                let own = points.len();
-                scattered(part, incident, points);
-                for point in &mut points[own..] {
-                    point.flux *= weight;
+            Model::Sum(sum) => {
+                let mut own = Self::default();
+                for (weight, part) in sum.parts() {
+                    let mut light = Self::default();
+                    light.add_scattered(part, incident);
+                    light.change(|p| p.flux *= weight);
+                    own.join(light);
                 }
+                own.change(|p| p.value = sum.evaluate(incident, p.outgoing));
+                self.join(own);
             }
-            for point in &mut points[first..] {
-                point.value = sum.evaluate(incident, point.outgoing);
-            }
-            points.retain(|p| p.flux > 0.0);
+            Model::Separated(separated) => self.add_separated(separated, incident),
+            Model::Specular(_) => {}
+            _ => self.add_anything(model, incident),
         }
-        Model::Separated(separated) => of_separated(separated, incident, points),
-        Model::Specular(_) => {}
-        _ => everywhere(model, incident, points),
     }
-}
 
-fn of_matrix(matrix: &Matrix, incident: Disk, points: &mut Vec<Point>) {
-    let patch = matrix.incident().patch_of(incident);
-    let basis: &Basis = matrix.outgoing();
-    for o in 0..basis.len() {
-        let value = matrix.value(patch, o);
-        if value <= 0.0 {
-            continue;
+    fn add_matrix(&mut self, matrix: &Matrix, incident: Disk) {
+        let patch = matrix.incident().patch_of(incident);
+        let basis: &Basis = matrix.outgoing();
+        for o in 0..basis.len() {
+            let place = |u| basis.sample_cosine(o, u);
+            self.add_cell(o, basis.projected_solid_angle(o), matrix.value(patch, o), place);
         }
-        let area = basis.projected_solid_angle(o);
+    }
+
+    fn add_tree(&mut self, tree: &Tree, incident: Disk) {
+        for (n, cell) in tree.outgoing_cells(incident).iter().enumerate() {
+            let place = |u: [f64; 2]| {
+                let square = [cell.corner[0] + cell.edge * u[0], cell.corner[1] + cell.edge * u[1]];
+                tree.rank().out_of_frame(incident, Disk::from_square(square))
+            };
+            self.add_cell(n, PI * cell.edge * cell.edge, cell.value, place);
+        }
+    }
+
+    /// Even points of a cell of one value; `number` tells it from its neighbours.
+    fn add_cell(&mut self, number: usize, area: f64, value: f64, place: impl Fn([f64; 2]) -> Disk) {
+        if value <= 0.0 {
+            return;
+        }
         let count = (area / PI * POINTS).ceil();
+        let probed = (count / PROBED).ceil();
         for k in 0..count as u32 {
-            points.push(Point {
-                outgoing: basis.sample_cosine(o, r2(k, shift(o))),
+            let point = Point {
+                outgoing: place(r2(k, shift(number))),
                 flux: value * area / count,
                 value,
+            };
+            self.points.push(point);
+            // The first points of a low-discrepancy sequence are spread evenly too.
+            if f64::from(k) < probed {
+                let flux = value * area / probed;
+                self.probes.push(Point { flux, ..point });
+            }
+        }
+    }
+
+    /// The table's points, less what went into its beam.
+    fn add_separated(&mut self, separated: &Separated, incident: Disk) {
+        let mut own = Self::default();
+        own.add_scattered(separated.base(), incident);
+        if separated.total(incident, Part::Direct).value > 0.0 {
+            own.change(|point| {
+                let value = separated.evaluate(incident, point.outgoing);
+                point.flux *= value / point.value;
+                point.value = value;
             });
         }
+        self.join(own);
     }
-}
 
-fn of_tree(tree: &Tree, incident: Disk, points: &mut Vec<Point>) {
-    for (n, cell) in tree.outgoing_cells(incident).iter().enumerate() {
-        if cell.value <= 0.0 {
-            continue;
-        }
-        let area = PI * cell.edge * cell.edge;
-        let count = (area / PI * POINTS).ceil();
-        for k in 0..count as u32 {
-            let u = r2(k, shift(n));
-            let square = [cell.corner[0] + cell.edge * u[0], cell.corner[1] + cell.edge * u[1]];
-            points.push(Point {
-                outgoing: tree.rank().out_of_frame(incident, Disk::from_square(square)),
-                flux: cell.value * area / count,
-                value: cell.value,
-            });
+    fn add_anything(&mut self, model: &Model, incident: Disk) {
+        for k in 0..POINTS as u32 {
+            let outgoing = Disk::uniform(r2(k, shift(0)));
+            let value = model.evaluate(incident, outgoing);
+            let flux = value * PI / POINTS;
+            self.points.push(Point { outgoing, flux, value });
+            if f64::from(k) < POINTS / PROBED {
+                let flux = PROBED * flux;
+                self.probes.push(Point { outgoing, flux, value });
+            }
         }
     }
-}
 
-/// The table's points, less what went into its beam.
-fn of_separated(separated: &Separated, incident: Disk, points: &mut Vec<Point>) {
-    let first = points.len();
-    scattered(separated.base(), incident, points);
-    if separated.total(incident, Part::Direct).value <= 0.0 {
-        return;
-    }
-    for point in &mut points[first..] {
-        let value = separated.evaluate(incident, point.outgoing);
-        point.flux *= value / point.value;
-        point.value = value;
-    }
-    points.retain(|p| p.flux > 0.0);
-}
-
-fn everywhere(model: &Model, incident: Disk, points: &mut Vec<Point>) {
-    for k in 0..POINTS as u32 {
-        let outgoing = Disk::uniform(r2(k, shift(0)));
-        let value = model.evaluate(incident, outgoing);
-        if value > 0.0 {
-            points.push(Point {
-                outgoing,
-                flux: value * PI / POINTS,
-                value,
-            });
+    fn change(&mut self, change: impl Fn(&mut Point)) {
+        for list in [&mut self.points, &mut self.probes] {
+            for point in list.iter_mut() {
+                change(point);
+            }
+            list.retain(|p| p.flux > 0.0);
         }
+    }
+
+    fn join(&mut self, other: Self) {
+        self.points.extend(other.points);
+        self.probes.extend(other.probes);
     }
 }
 
@@ -207,7 +221,11 @@ mod tests {
         ];
         for model in models {
             for incident in [Disk::NORMAL, Disk::new(-0.49, -0.51), Disk::new(-0.4, 0.2)] {
-                let total = Distribution::of(&model, incident).total();
+                let light = Distribution::of(&model, incident);
+                let total = light.total();
+                let probed: f64 = light.probes.iter().map(|p| p.flux).sum();
+                let scattered = model.total(incident, Part::Scattered).value;
+                assert!((probed - scattered).abs() < 1e-3 * scattered, "{}", model.kind());
                 let expected = model.total(incident, Part::All).value;
                 assert!((total - expected).abs() < 1e-9 * expected.max(1.0), "{}", model.kind());
             }

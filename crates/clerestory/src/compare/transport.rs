@@ -177,7 +177,7 @@ mod tests {
             .collect();
         Support::of(&Distribution {
             points,
-            peaks: Vec::new(),
+            ..Distribution::default()
         })
     }
 
