@@ -130,7 +130,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         bsdf.write(path)
         command.append(f"{name}={path}")
     report = folder / "report.html"
-    command += ["--against-models", "-o", str(report)]
+    command += ["-o", str(report)]
     sys.stdout.write(f"$ {shlex.join(['clerestory', *command])}\n")
     sys.stdout.flush()
     code = command_line(command)

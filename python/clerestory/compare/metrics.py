@@ -127,7 +127,7 @@ def compare(
     everything = {**data, **{name: model for name, (model, _) in simple.items()}}
     every = _distances(everything, len(data), settings, lambda share: tell(0.3 + 0.5 * share))
     distances = tuple(_part(d, len(data)) for d in every)
-    turns = find_turns(data, settings, distances)
+    turns = find_turns(data, quantities[0].values, settings, distances)
     tell(0.9)
     compared = tuple(
         _stand_in(name, words, figures(model, settings, reflection=False), quantities, every[-1], len(data), k)

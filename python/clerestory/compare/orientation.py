@@ -26,6 +26,8 @@ NOTICEABLE_DEG = 3.0
 """A mean distance [°] below this is no reason to look for a turn."""
 APART = 1.2
 """Nor one below this many times the median of the other data sets."""
+SAME_TOTAL = 0.15
+"""Nor one whose hemispherical value, which no turn changes, differs by more than this share: it is another system."""
 BETTER = 0.5
 """A turn counts if it brings the distance below this share."""
 
@@ -43,13 +45,17 @@ _VARIANTS: dict[str, Callable[[Bsdf], Bsdf]] = {
 }
 
 
-def find_turns(sets: Mapping[str, Bsdf], settings: Settings, distances: Sequence[Distances]) -> tuple[Turn, ...]:
+def find_turns(
+    sets: Mapping[str, Bsdf], totals: Sequence[float | None], settings: Settings, distances: Sequence[Distances]
+) -> tuple[Turn, ...]:
     """Data sets that agree better with the others after a turn or flip.
 
     Parameters
     ----------
     sets
         Data sets by label.
+    totals
+        Their hemispherical values.
     distances
         Between all pairs of them, at the patches and at last the mean over all incident directions.
     """
@@ -65,6 +71,9 @@ def find_turns(sets: Mapping[str, Bsdf], settings: Settings, distances: Sequence
         to_middle = square[k, middle]
         others = np.delete(square[middle], [middle, k])
         if k == middle or to_middle < NOTICEABLE_DEG or (others.size and to_middle < APART * np.median(others)):
+            continue
+        own, its = totals[k] or 0.0, totals[middle] or 0.0
+        if abs(own - its) > SAME_TOTAL * max(own, its):
             continue
         found += _better(sets[label], label, sets[labels[middle]], labels[middle], settings)
     return tuple(found)

@@ -31,6 +31,11 @@ def percent(value: float, digits: int = 3) -> str:
     return f"{shown:.{min(places, 4)}f} %"
 
 
+def plain_percent(value: float) -> str:
+    """A percentage with two digits or so."""
+    return f"{value:.0f}" if value >= 10.0 else f"{value:.2g}"
+
+
 def in_unit(value: float | None, unit: str) -> str:
     """A value as it is shown."""
     if value is None:
@@ -73,7 +78,7 @@ def _agreement(count: str, settings: Settings, first: Quantity) -> str:
         return f"{head} are all dark: no light is left to compare."
     verb = "agree within" if s.range_percent <= AGREE_PERCENT else "differ by"
     return (
-        f"{head} {verb} {s.range_percent:.2g} % of their mean in hemispherical {what} {first.symbol}: "
+        f"{head} {verb} {plain_percent(s.range_percent)} % of their mean in hemispherical {what} {first.symbol}: "
         f"{percent(s.minimum)} to {percent(s.maximum)}."
     )
 
@@ -152,11 +157,17 @@ def different_systems(
     square = np.array([[np.nan if v is None else v for v in row] for row in distances[-1].transport_deg])
     others = len(labels) - 1
     mean = np.nansum(square, axis=1) / others
-    for k, label in enumerate(labels):
-        # Of two, none is the odd one out.
-        if mean[k] > DIFFERENT_DEG and (others > 1 or k == 0):
-            what = f"{label} and {labels[1]}" if others == 1 else f"{label} and the others"
-            notes.append(
-                f"{what} are hardly of one system, or one is turned: their light lies {mean[k]:.0f}° apart on average"
-            )
+    apart = [k for k in range(len(labels)) if mean[k] > DIFFERENT_DEG]
+    if 2 * len(apart) > len(labels):
+        # Most are far from the rest, so none is the odd one out.
+        notes.append(
+            f"{listed(labels)} are hardly of one system, or some are turned: their light lies "
+            f"{np.mean(mean):.0f}° apart on average"
+        )
+    else:
+        notes += [
+            f"{labels[k]} and the others are hardly of one system, or it is turned: their light lies "
+            f"{mean[k]:.0f}° apart on average"
+            for k in apart
+        ]
     return notes
