@@ -10,6 +10,7 @@
 pub mod analytic;
 pub mod convert;
 mod data;
+mod lobes;
 mod matrix;
 mod metadata;
 mod mixture;
@@ -27,7 +28,8 @@ pub mod tree;
 mod turned;
 
 pub use analytic::{Lambertian, Specular};
-pub use data::{Band, BandSample, Bsdf, Component, Lobes, Outcome};
+pub use data::{Band, Bsdf, Component, Outcome};
+pub use lobes::{LobeSample, Lobes};
 pub use matrix::Matrix;
 pub use metadata::{Element, Metadata};
 pub use model::Model;

@@ -66,6 +66,10 @@ impl Scatterer for Model {
         each!(self, m => m.total(incident, part))
     }
 
+    fn weight(&self, incident: Disk) -> f64 {
+        each!(self, m => m.weight(incident))
+    }
+
     fn integrate(&self, incident: Disk, region: &Region, part: Part) -> Estimate {
         each!(self, m => m.integrate(incident, region, part))
     }

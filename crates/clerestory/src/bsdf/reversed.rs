@@ -10,6 +10,7 @@ use std::sync::Arc;
 use super::separated::{Cell, Tabular, tabular};
 use super::{Estimate, Model, Part, Peak, Sample, Scatterer};
 use crate::direction::Disk;
+use crate::sequence::r2;
 
 /// Another model, its paths travelled backwards.
 #[derive(Debug, Clone)]
@@ -17,13 +18,25 @@ pub struct Reversed {
     base: Arc<Model>,
 }
 
-/// Points a side on which totals are integrated.
-const GRID: usize = 192;
+/// Points on which totals are integrated.
+const POINTS: u32 = 1 << 15;
+/// Points for a rough total.
+const ROUGH: u32 = 64;
+/// Least rough total, so that light which the rough points miss is sampled all the same.
+const LEAST: f64 = 0.001;
 
 impl Reversed {
     /// `base` backwards. `base` is a table: it has no peaks.
     pub fn new(base: Arc<Model>) -> Self {
         Self { base }
+    }
+
+    /// Total by low-discrepancy points.
+    fn sum(&self, incident: Disk, points: u32) -> f64 {
+        let value: f64 = (0..points)
+            .map(|k| self.evaluate(incident, Disk::uniform(r2(k, [0.0; 2]))))
+            .sum();
+        value * PI / f64::from(points)
     }
 
     /// The model whose paths are reversed.
@@ -56,16 +69,16 @@ impl Scatterer for Reversed {
 
     fn total(&self, incident: Disk, part: Part) -> Estimate {
         if part == Part::Direct {
-            return 0.0.into();
+            0.0
+        } else {
+            self.sum(incident, POINTS)
         }
-        let mut value = 0.0;
-        for i in 0..GRID {
-            for j in 0..GRID {
-                let square = [i, j].map(|k| (k as f64 + 0.5) / GRID as f64);
-                value += self.evaluate(incident, Disk::from_square(square));
-            }
-        }
-        (value * PI / (GRID * GRID) as f64).into()
+        .into()
+    }
+
+    /// A rough total: the full one would cost thousands of evaluations for every sample.
+    fn weight(&self, incident: Disk) -> f64 {
+        self.sum(incident, ROUGH).max(LEAST)
     }
 
     fn resolution(&self, incident: Disk) -> f64 {

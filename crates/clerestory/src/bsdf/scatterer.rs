@@ -138,6 +138,12 @@ pub trait Scatterer: Send + Sync {
     /// Direct-hemispherical transmittance or reflectance.
     fn total(&self, incident: Disk, part: Part) -> Estimate;
 
+    /// The share that the model is given where several are sampled together. By default its total, which is best; where
+    /// that is dear, anything greater than 0 that is near to it is right too.
+    fn weight(&self, incident: Disk) -> f64 {
+        self.total(incident, Part::All).value
+    }
+
     /// Full angle (radians) below which detail is not resolved; 0 for a model without a grid.
     fn resolution(&self, incident: Disk) -> f64;
 

@@ -31,13 +31,9 @@ impl Sum {
         &self.parts
     }
 
-    /// The parts' shares of the total: the probabilities of sampling them.
+    /// The parts' shares: the probabilities of sampling them.
     fn shares(&self, incident: Disk) -> Option<Vec<f64>> {
-        let mut shares: Vec<f64> = self
-            .parts
-            .iter()
-            .map(|(w, m)| w * m.total(incident, Part::All).value)
-            .collect();
+        let mut shares: Vec<f64> = self.parts.iter().map(|(w, m)| w * m.weight(incident)).collect();
         let total: f64 = shares.iter().sum();
         if total <= 0.0 {
             return None;
@@ -119,6 +115,10 @@ impl Scatterer for Sum {
 
     fn total(&self, incident: Disk, part: Part) -> Estimate {
         self.add(|m| m.total(incident, part))
+    }
+
+    fn weight(&self, incident: Disk) -> f64 {
+        self.parts.iter().map(|(w, m)| w * m.weight(incident)).sum()
     }
 
     fn integrate(&self, incident: Disk, region: &Region, part: Part) -> Estimate {

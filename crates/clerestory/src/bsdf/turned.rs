@@ -123,6 +123,10 @@ impl Scatterer for Turned {
         self.base.total(self.back(incident), part)
     }
 
+    fn weight(&self, incident: Disk) -> f64 {
+        self.base.weight(self.back(incident))
+    }
+
     fn integrate(&self, incident: Disk, region: &Region, part: Part) -> Estimate {
         let region = match region {
             Region::Hemisphere => Region::Hemisphere,
