@@ -227,11 +227,17 @@ class Bsdf(Operations):
         return self._core.evaluate(i, o, [band])[:, 0].reshape(shape)
 
     def pdf(
-        self, incident: ArrayLike, outgoing: ArrayLike, band: str | None = None, *, scatter: Scatter | None = None
+        self,
+        incident: ArrayLike,
+        outgoing: ArrayLike,
+        band: str | Iterable[str] | None = None,
+        *,
+        scatter: Scatter | None = None,
     ) -> NDArray[np.float64]:
-        """Density with which `sample` gives a scattered direction [1/sr]."""
+        """Density with which `sample`, asked for the same band or bands, gives a scattered direction [1/sr]."""
         i, o, shape = _pairs(incident, outgoing)
-        return self._core.pdf(i, o, [band], scatter).reshape(shape)
+        names: list[str | None] = [band] if band is None or isinstance(band, str) else [*band]
+        return self._core.pdf(i, o, names, scatter).reshape(shape)
 
     def sample(
         self,
@@ -248,14 +254,16 @@ class Bsdf(Operations):
         incident
             Directions (..., 3) toward sources.
         u
-            Numbers (..., 2) in [0, 1).
+            Numbers (..., 2) in [0, 1); the leading axes broadcast with those of `incident`.
         band
             One band, or several: then the weights have a last axis of bands.
         scatter
             Only transmitted or only reflected light; both by default.
         """
-        i, _, shape = _rows(incident, 3)
-        numbers = np.broadcast_to(np.asarray(u, dtype=np.float64), (*shape, 2)).reshape(-1, 2)
+        towards, numbers = np.asarray(incident, dtype=np.float64), np.asarray(u, dtype=np.float64)
+        shape = np.broadcast_shapes(towards.shape[:-1], numbers.shape[:-1])
+        i, _, _ = _rows(np.broadcast_to(towards, (*shape, 3)), 3)
+        numbers = np.broadcast_to(numbers, (*shape, 2)).reshape(-1, 2)
         several = band is not None and not isinstance(band, str)
         names: list[str | None] = list(band) if several else [band]  # type: ignore[arg-type, list-item]
         outgoing, weights, peak = self._core.sample(i, np.ascontiguousarray(numbers), names, scatter)

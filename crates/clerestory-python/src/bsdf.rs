@@ -1,12 +1,12 @@
 //! Data sets: the operations on arrays of directions.
 
-use clerestory::bsdf::{Band, Bsdf, Lobes, Metadata, Part, Region, Scatterer, Turn};
+use clerestory::bsdf::{Band, Bsdf, LobeSample, Lobes, Metadata, Part, Region, Scatterer, Turn};
 use clerestory::direction::{Direction, Scatter, Side};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
-use crate::arrays::{directions, same_length, scatter, side};
+use crate::arrays::{directions, pairs, rows, same_length, scatter, side};
 use crate::basis::PyBasis;
 use crate::errors::{ClerestoryError, raise};
 use crate::model::PyModel;
@@ -29,6 +29,9 @@ struct BySide([Option<Lobes>; 2]);
 
 impl BySide {
     fn new(bsdf: &Bsdf, bands: &[Option<String>], incident: &[Direction], scatter: Option<Scatter>) -> PyResult<Self> {
+        if bands.is_empty() {
+            return Err(ClerestoryError::new_err("no bands were asked for (name one or more)"));
+        }
         let bands: Vec<Option<&str>> = bands.iter().map(Option::as_deref).collect();
         let mut lobes = [None, None];
         for side in Side::BOTH {
@@ -116,13 +119,6 @@ pub fn part(name: &str) -> PyResult<Part> {
     }
 }
 
-fn array2<'py>(py: Python<'py>, rows: &[Vec<f64>], width: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    if rows.is_empty() {
-        return Ok(PyArray2::zeros(py, [0, width], false));
-    }
-    Ok(PyArray2::from_vec2(py, rows)?)
-}
-
 #[pymethods]
 impl PyBsdf {
     #[new]
@@ -143,6 +139,7 @@ impl PyBsdf {
     }
 
     /// Name, source and detector spectrum, and models by side and scatter, of every band.
+    #[allow(clippy::type_complexity, reason = "a list of plain rows")]
     fn bands(
         &self,
     ) -> Vec<(
@@ -193,15 +190,16 @@ impl PyBsdf {
         let (incident, outgoing) = (directions(&incident, "incident")?, directions(&outgoing, "outgoing")?);
         same_length(incident.len(), outgoing.len())?;
         let lobes = BySide::new(&self.0, &bands, &incident, one_scatter(&incident, &outgoing))?;
-        let rows: Vec<Vec<f64>> = py.detach(|| {
-            incident
-                .par_iter()
+        let mut values = vec![0.0; incident.len() * bands.len()];
+        py.detach(|| {
+            values
+                .par_chunks_exact_mut(bands.len())
+                .zip(&incident)
                 .zip(&outgoing)
                 .with_min_len(4096)
-                .map(|(i, o)| lobes.of(*i).evaluate(*i, *o))
-                .collect()
+                .for_each(|((values, i), o)| lobes.of(*i).evaluate(*i, *o, values));
         });
-        array2(py, &rows, bands.len())
+        rows(py, values, bands.len())
     }
 
     fn pdf<'py>(
@@ -223,7 +221,7 @@ impl PyBsdf {
                 .map(|(i, o)| lobes.of(*i).pdf(*i, *o))
                 .collect()
         });
-        Ok(values.to_pyarray(py))
+        Ok(PyArray1::from_vec(py, values))
     }
 
     /// Outgoing directions (n, 3), weights (n, bands), whether a peak (n). Where nothing leaves the weights are 0.
@@ -241,38 +239,38 @@ impl PyBsdf {
         Bound<'py, PyArray1<bool>>,
     )> {
         let incident = directions(&incident, "incident")?;
-        let u: Vec<[f64; 2]> = u.as_array().rows().into_iter().map(|r| [r[0], r[1]]).collect();
+        let u = pairs(&u, "u")?;
         same_length(incident.len(), u.len())?;
         let lobes = BySide::new(&self.0, &bands, &incident, scatter_name.map(scatter).transpose()?)?;
-        let samples: Vec<_> = py.detach(|| {
-            incident
-                .par_iter()
+        let mut outgoing = vec![0.0; 3 * incident.len()];
+        let mut weights = vec![0.0; incident.len() * bands.len()];
+        let mut peak = vec![false; incident.len()];
+        py.detach(|| {
+            outgoing
+                .par_chunks_exact_mut(3)
+                .zip(weights.par_chunks_exact_mut(bands.len()))
+                .zip(&mut peak)
+                .zip(&incident)
                 .zip(&u)
                 .with_min_len(4096)
-                .map(|(i, u)| lobes.of(*i).sample(*i, *u))
-                .collect()
+                .for_each(|((((to, weights), peak), i), u)| {
+                    let sample = lobes.of(*i).sample(*i, *u, weights);
+                    *peak = sample.is_some_and(|s| s.peak);
+                    to.copy_from_slice(
+                        &sample.map_or([0.0, 0.0, 1.0], |LobeSample { outgoing: o, .. }| [o.x, o.y, o.z]),
+                    );
+                });
         });
-        let outgoing: Vec<Vec<f64>> = samples
-            .iter()
-            .map(|s| {
-                s.as_ref()
-                    .map_or(vec![0.0, 0.0, 1.0], |s| vec![s.outgoing.x, s.outgoing.y, s.outgoing.z])
-            })
-            .collect();
-        let weights: Vec<Vec<f64>> = samples
-            .iter()
-            .map(|s| s.as_ref().map_or(vec![0.0; bands.len()], |s| s.weights.clone()))
-            .collect();
-        let peak: Vec<bool> = samples.iter().map(|s| s.as_ref().is_some_and(|s| s.peak)).collect();
         Ok((
-            array2(py, &outgoing, 3)?,
-            array2(py, &weights, bands.len())?,
-            peak.to_pyarray(py),
+            rows(py, outgoing, 3)?,
+            rows(py, weights, bands.len())?,
+            PyArray1::from_vec(py, peak),
         ))
     }
 
     /// Flux into a region per unit of incident flux (n), and its standard error (NaN where none is known).
     #[allow(clippy::too_many_arguments, reason = "keyword arguments of the Python API")]
+    #[allow(clippy::type_complexity, reason = "two arrays")]
     fn integrate<'py>(
         &self,
         py: Python<'py>,
