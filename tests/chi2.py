@@ -144,51 +144,58 @@ def compare(
     case: Case,
     incident: np.ndarray,
     side: Side,
-    bins: Partition,
+    divisions: list[Partition],
     bands: list[str],
     samples: Samples,
     pdf: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None,
-) -> Outcome:
+) -> list[Outcome]:
     """Compares samples for one incident direction with their density, over all bands and all that light does.
 
     Parameters
     ----------
+    divisions
+        Bins; each division gives an outcome of its own.
     pdf
         Another density of (incident, outgoing), to show that a wrong one is found.
     """
     density_of = pdf or (lambda i, o: case.bsdf.pdf(i, o, bands, scatter=case.only(side)))
     count = len(samples.outgoing)
     scatters = case.scatters(side)
-    observed, expected = [], []
-    for scatter in scatters:
-
-        def density(points, scatter=scatter):
-            to = outgoing(points, side, scatter)
-            return density_of(incident, to) / np.maximum(np.abs(to[..., 2]), 1e-300)
-
-        sign = outgoing(np.zeros(2), side, scatter)[2]
-        mine = ~samples.peak & (np.sign(samples.outgoing[:, 2]) == sign)
-        observed.append(np.bincount(bins.index(samples.outgoing[mine, :2]), minlength=len(bins.areas)))
-        cells = case.exact(incident) if pdf is None else None
-        expected.append(expected_share(density, bins, cells, count) * count)
-    scattered = samples.outgoing[~samples.peak]
-    impossible = int(np.sum(density_of(incident, scattered) <= 0))
-    # One bin a peak, whose share of the samples is its share of the light.
     total = sum(case.bsdf.integrate(incident, c, band=b) for c in scatters for b in bands)
     peaks: dict[tuple, float] = {}
     for peak in (p for c in scatters for b in bands for p in case.bsdf.peaks(incident, c, b)):
         key = tuple(np.round(peak.outgoing, 9) + 0.0)
-        peaks[key] = peaks.get(key, 0.0) + peak.value
+        peaks[key] = peaks.get(key, 0.0) + peak.value / total
     beams = samples.outgoing[samples.peak]
     near = [int(np.sum(np.linalg.norm(beams - key, axis=1) < 1e-8)) for key in peaks]
-    observed.append(np.array(near))
-    shares = np.array([value / total for value in peaks.values()])
-    if case.rough and len(shares):
-        # Its share is what the density leaves over.
-        shares *= (1 - sum(e.sum() for e in expected) / count) / shares.sum()
-    expected.append(shares * count)
-    tables = np.concatenate(observed).astype(float), np.concatenate(expected)
-    impossible += len(beams) - sum(near)
-    if impossible:
-        return Outcome(0.0, f"{impossible} samples where the density is zero", *tables)
-    return chi2(*tables)
+    impossible = int(np.sum(density_of(incident, samples.outgoing[~samples.peak]) <= 0)) + len(beams) - sum(near)
+    cells = case.exact(incident) if pdf is None else None
+    outcomes = []
+    for bins in divisions:
+        observed, expected = [], []
+        for scatter in scatters:
+
+            def density(points, scatter=scatter):
+                to = outgoing(points, side, scatter)
+                return density_of(incident, to) / np.maximum(np.abs(to[..., 2]), 1e-300)
+
+            sign = outgoing(np.zeros(2), side, scatter)[2]
+            mine = ~samples.peak & (np.sign(samples.outgoing[:, 2]) == sign)
+            observed.append(np.bincount(bins.index(samples.outgoing[mine, :2]), minlength=len(bins.areas)))
+            expected.append(expected_share(density, bins, cells, count) * count)
+        # One bin a peak, whose share of the samples is its share of the light.
+        shares = np.array(list(peaks.values()))
+        if case.rough and len(shares):
+            # Its share is what the density leaves over.
+            shares *= (1 - sum(e.sum() for e in expected) / count) / shares.sum()
+        tables = np.concatenate([*observed, near]).astype(float), np.concatenate([*expected, shares * count])
+        outcomes.append(
+            Outcome(0.0, f"{impossible} samples where the density is zero", *tables) if impossible else chi2(*tables)
+        )
+    return outcomes
+
+
+def draw(case: Case, incident: np.ndarray, side: Side, count: int, seed: int) -> Samples:
+    """Samples of all that happens to light from one direction."""
+    u = np.random.default_rng([seed, *case.name.encode()]).random((count, 2))
+    return case.bsdf.sample(incident, u, case.bsdf.bands, scatter=case.only(side))
