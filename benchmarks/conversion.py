@@ -15,7 +15,7 @@ import clerestory
 from clerestory.directions import SCATTERS, SIDES
 from timing import Pair, row, seconds, table
 
-FILES = ("tensortree/b30.xml", "tensortree/c30.xml", "tensortree/pyradiance_t3.xml")
+FILES = ("tensortree/b30.xml", "tensortree/pyradiance_t3.xml")
 SAMPLES = 256
 REPETITIONS = 5
 PACKAGE = Path(pyradiance.__file__).parent
