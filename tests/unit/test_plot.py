@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.path import Path
 from mpl_toolkits.mplot3d import Axes3D
 
 from clerestory import Basis, Bsdf, ClerestoryError, MissingDataError, Model, plot
@@ -170,7 +171,7 @@ def test_reciprocity_is_named(redirecting):
 
 def test_the_cross_is_where_light_goes_straight_on(redirecting):
     ax = plot.hemisphere(redirecting, direction(45, 90), pixels=40).axes[0]
-    (mark,) = (m for m in ax.lines if m.get_marker() == "x")
+    (mark,) = (m for m in ax.lines if isinstance(m.get_marker(), Path) and m.get_linestyle() == "None")
     assert mark.get_xydata() == pytest.approx(np.array([[0.0, -0.5]]), abs=1e-12)
 
 
