@@ -72,9 +72,9 @@ def report(data: Path) -> str:
 
 Visible band, random pairs of directions of which a quarter goes nearly straight through or is mirrored and an eighth
 comes from about the normal. Directions are handed over as they are, so sides and azimuths are compared too.
-Differences are relative, with 1e-6/sr taken off; Radiance perturbs its values on purpose, each cell by up to 3e-4, and
-5e-4 is allowed.
-Pairs within 1e-6 of the border of a cell are set aside. Direct-hemispherical values may differ by 5e-3.
+Differences of values are relative, with 1e-6/sr taken off; Radiance perturbs its values on purpose, each cell by up to
+3e-4, and 5e-4 is allowed. Pairs within 1e-6 of the border of a cell are set aside. Direct-hemispherical values may
+differ by 5e-3; Radiance has none for an isotropic tree by reciprocity.
 
 {_look_ups()}
 

@@ -52,15 +52,14 @@ class Component:
 
     @property
     def hemispherical(self) -> np.ndarray:
-        """Relative differences of direct-hemispherical values, one in a million taken off.
+        """Relative differences of direct-hemispherical values.
 
         Radiance has none for an isotropic tree by reciprocity, which it can only look up.
         """
         if self.kind == "reversed":
             return np.empty(0)
         ours, theirs = self.ours_hemispherical, self.theirs_hemispherical
-        difference = np.maximum(np.abs(ours - theirs) - ABSOLUTE, 0.0)
-        return np.divide(difference, theirs, out=np.where(difference > 0, np.inf, 0.0), where=theirs > 0)
+        return np.abs(ours - theirs) / np.maximum(theirs, ABSOLUTE)
 
 
 @dataclass
