@@ -20,12 +20,13 @@ FILES = (
     "tensortree/pyradiance_t3.xml",
 )
 
+# Radiance's library hangs or crashes after data that it loaded are freed: they are kept until the end.
+KEPT: list[object] = []
+
 
 def report(data: Path) -> str:
     """Text of the section."""
     rows = []
-    # The library can hang in a later load once a file that it loaded is freed.
-    kept: list[object] = []
     for name in FILES:
         with tempfile.TemporaryDirectory() as folder:
             # The library keeps what it has loaded by file name: every run reads a copy of its own.
@@ -34,7 +35,7 @@ def report(data: Path) -> str:
                 copy.read_bytes()
             pair = alternate(
                 lambda k, copies=copies: clerestory.read(copies[k]),
-                lambda k, copies=copies: kept.append(library.load_file(str(copies[k]))),
+                lambda k, copies=copies: KEPT.append(library.load_file(str(copies[k]))),
             )
         blocks = sum(len(members) for members in clerestory.read(data / name).models.values())
         rows.append([*row(name, pair), str(blocks)])

@@ -10,6 +10,7 @@ import numpy as np
 from pyradiance import bsdf as library
 
 import clerestory
+from loading import KEPT
 from timing import REPETITIONS, Pair, alternate, row, table
 
 FILES = ("klems/ExtVenetianBlind_17tilt.xml", "tensortree/b30.xml", "tensortree/pyradiance_t3.xml")
@@ -52,6 +53,7 @@ def report(data: Path) -> str:
     rows = []
     for name in FILES:
         ours, theirs = clerestory.read(data / name), library.load_file(str(data / name))
+        KEPT.append(theirs)
 
         def look_up(_: int, theirs: object = theirs) -> None:
             for i, o in zip(i_deg, o_deg, strict=True):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from pathlib import Path
 
@@ -62,3 +63,6 @@ def main() -> None:
 
 if __name__ == "__main__":
     main()
+    # Radiance's library crashes when its data are freed at the end of the process.
+    sys.stdout.flush()
+    os._exit(0)
