@@ -4,6 +4,7 @@
 //! * To divide a hemisphere into patches: [`basis`].
 //! * To evaluate, sample, integrate or convert a scattering model: [`bsdf`].
 //! * To build a window of layers: [`system`].
+//! * To measure a sample that is given by its geometry: [`trace`], of [`geometry`] and [`material`].
 //! * To read and write the field's files: [`io`].
 //!
 //! Nothing here knows of Python or of a console.
@@ -13,9 +14,12 @@ pub mod bsdf;
 pub mod compare;
 pub mod direction;
 pub mod error;
+pub mod geometry;
 pub mod io;
+pub mod material;
 pub mod progress;
 pub mod sequence;
 pub mod system;
+pub mod trace;
 
 pub use error::{Error, Result};

@@ -1,0 +1,89 @@
+//! The smooth border of two media.
+
+use super::{Arrival, Departure, Draws, mirrored};
+use crate::geometry::Vec3;
+
+/// Mean of both polarisations' reflectance at a border, from index `here` to `beyond`, and the cosine beyond; total
+/// reflection gives (1, 0).
+pub fn fresnel(here: f64, beyond: f64, cos: f64) -> (f64, f64) {
+    let ratio = here / beyond;
+    let sin2 = ratio * ratio * (1.0 - cos * cos);
+    if sin2 >= 1.0 {
+        return (1.0, 0.0);
+    }
+    let cos_beyond = (1.0 - sin2).sqrt();
+    let s = (here * cos - beyond * cos_beyond) / (here * cos + beyond * cos_beyond);
+    let p = (beyond * cos - here * cos_beyond) / (beyond * cos + here * cos_beyond);
+    (0.5 * (s * s + p * p), cos_beyond)
+}
+
+/// Direction of travel beyond a border.
+fn refracted(direction: Vec3, normal: Vec3, ratio: f64, cos: f64, cos_beyond: f64) -> Vec3 {
+    (direction * ratio + normal * (ratio * cos - cos_beyond)).unit()
+}
+
+/// Reflected or refracted, drawn by the mean of the bands. Where the index differs between bands, refracted light is of one
+/// band alone, drawn at random.
+pub(super) fn scatter<const N: usize>(
+    arrival: &Arrival<'_>,
+    weight: &mut [f64; N],
+    absorbed: &mut [f64; N],
+    draws: &mut Draws,
+) -> Option<Departure> {
+    *absorbed = [0.0; N];
+    let cos = (-arrival.direction.dot(arrival.normal)).clamp(0.0, 1.0);
+    let ratio = |b: usize| arrival.here.index[b] / arrival.beyond.index[b];
+    let mut reflectance = [0.0; N];
+    let mut cos_beyond = [0.0; N];
+    let (mut sum, mut back) = (0.0, 0.0);
+    for b in 0..N {
+        if b > 0 && ratio(b) == ratio(0) {
+            (reflectance[b], cos_beyond[b]) = (reflectance[0], cos_beyond[0]);
+        } else {
+            (reflectance[b], cos_beyond[b]) = fresnel(arrival.here.index[b], arrival.beyond.index[b], cos);
+        }
+        sum += weight[b];
+        back += weight[b] * reflectance[b];
+    }
+    if sum <= 0.0 {
+        return None;
+    }
+    let u = draws.next();
+    let share = back / sum;
+    if u < share {
+        for b in 0..N {
+            weight[b] *= reflectance[b] / share;
+        }
+        return Some(Departure {
+            direction: mirrored(arrival.direction, arrival.normal),
+            passes: false,
+            specular: true,
+        });
+    }
+    for b in 0..N {
+        weight[b] *= (1.0 - reflectance[b]) / (1.0 - share);
+    }
+    let first = (0..N).find(|&b| weight[b] > 0.0)?;
+    let mut band = first;
+    if (first + 1..N).any(|b| weight[b] > 0.0 && ratio(b) != ratio(first)) {
+        // Each band bends its own way.
+        let total: f64 = weight.iter().sum();
+        let mut rest = draws.next() * total;
+        for (b, &w) in weight.iter().enumerate() {
+            if w > 0.0 {
+                band = b;
+                rest -= w;
+                if rest < 0.0 {
+                    break;
+                }
+            }
+        }
+        *weight = [0.0; N];
+        weight[band] = total;
+    }
+    Some(Departure {
+        direction: refracted(arrival.direction, arrival.normal, ratio(band), cos, cos_beyond[band]),
+        passes: true,
+        specular: true,
+    })
+}

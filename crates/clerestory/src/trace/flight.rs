@@ -1,0 +1,280 @@
+//! Paths through a sample, many at a time.
+
+use super::balance::{Balance, add};
+use super::sample::Sample;
+use crate::direction::{Disk, Scatter, Side};
+use crate::geometry::{Area, Meeting, NO_PIECE, Ray, Vec3};
+use crate::material::{Arrival, Draws};
+
+/// When a path ends that neither leaves nor is absorbed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// A path that carries less than this share of what it began with is ended at random, by roulette.
+    pub roulette: f64,
+    /// Events after which it is cut off.
+    pub events: u32,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            roulette: 0.05,
+            events: 1000,
+        }
+    }
+}
+
+/// What takes in the light that leaves the sample.
+pub trait Collector<const N: usize> {
+    /// One path: where it came from and goes to, whether it is a beam still straight on or mirrored in the sample's plane,
+    /// and what it carries.
+    fn collect(&mut self, scatter: Scatter, incident: Disk, outgoing: Disk, beam: bool, weight: &[f64; N]);
+}
+
+/// A path under way.
+struct Path<const N: usize> {
+    weight: [f64; N],
+    incident: Disk,
+    draws: Draws,
+    events: u32,
+    medium: u16,
+    layer: u16,
+    specular: bool,
+}
+
+/// How many paths fly together: enough for batches, few enough for the first level of cache.
+const BATCH: usize = 256;
+/// A beam may stray this far on the disk by rounding.
+const STRAIGHT: f64 = 1e-9;
+
+/// Room for paths, used again and again.
+pub struct Flight<'a, const N: usize> {
+    sample: &'a Sample,
+    area: Area,
+    limits: Limits,
+    paths: Vec<Path<N>>,
+    rays: Vec<Ray>,
+    meetings: Vec<Meeting>,
+}
+
+impl<'a, const N: usize> Flight<'a, N> {
+    /// Over an area of a sample.
+    pub fn new(sample: &'a Sample, area: Area, limits: Limits) -> Self {
+        Self {
+            sample,
+            area,
+            limits,
+            paths: Vec::with_capacity(BATCH),
+            rays: Vec::with_capacity(BATCH),
+            meetings: vec![Meeting::Lost; BATCH],
+        }
+    }
+
+    /// Sends the paths of a range of indices from one side, in directions that `incident` draws, and collects them.
+    pub fn run(
+        &mut self,
+        side: Side,
+        key: u64,
+        indices: std::ops::Range<u32>,
+        incident: impl Fn([f64; 2]) -> Disk,
+        collector: &mut impl Collector<N>,
+        balance: &mut Balance<N>,
+    ) {
+        let mut next = indices.start;
+        while next < indices.end {
+            let last = indices.end.min(next + BATCH as u32);
+            for index in next..last {
+                self.start(side, Draws::new(key, index), &incident);
+            }
+            add(&mut balance.traced, &[f64::from(last - next); N]);
+            next = last;
+            while !self.rays.is_empty() {
+                self.advance(side, collector, balance);
+            }
+        }
+    }
+
+    fn start(&mut self, side: Side, mut draws: Draws, incident: &impl Fn([f64; 2]) -> Disk) {
+        let Area { x, y } = self.area;
+        let depth = self.sample.depth();
+        let disk = incident([draws.next(), draws.next()]);
+        let at = |[low, high]: [f64; 2], u: f64| low + (high - low) * u;
+        let y = at(y, draws.next());
+        let x = at(x, draws.next());
+        let (z, layer) = match side {
+            Side::Exterior => (depth[0], 0),
+            Side::Interior => (depth[1], self.sample.layers.len() - 1),
+        };
+        self.rays.push(Ray {
+            origin: Vec3::new(x, y, z),
+            direction: Vec3::new(disk.x, disk.y, -side.sign() * disk.cos_theta()),
+            piece: NO_PIECE,
+        });
+        self.paths.push(Path {
+            weight: [1.0; N],
+            incident: disk,
+            draws,
+            events: 0,
+            medium: 0,
+            layer: layer as u16,
+            specular: true,
+        });
+    }
+
+    /// Moves all paths to their next event.
+    fn advance(&mut self, side: Side, collector: &mut impl Collector<N>, balance: &mut Balance<N>) {
+        let n = self.rays.len();
+        if let [layer] = &self.sample.layers[..] {
+            layer.meet_all(&mut self.rays, &mut self.meetings[..n]);
+        } else {
+            for k in 0..n {
+                self.meetings[k] = self.sample.layers[usize::from(self.paths[k].layer)].meet(&mut self.rays[k]);
+            }
+        }
+        let mut kept = 0;
+        for k in 0..n {
+            let (ray, path) = (&mut self.rays[k], &mut self.paths[k]);
+            if step(
+                self.sample,
+                self.limits,
+                side,
+                self.meetings[k],
+                ray,
+                path,
+                collector,
+                balance,
+            ) {
+                self.rays.swap(kept, k);
+                self.paths.swap(kept, k);
+                kept += 1;
+            }
+        }
+        self.rays.truncate(kept);
+        self.paths.truncate(kept);
+    }
+}
+
+/// What happens to a path at its next event; whether it goes on.
+#[allow(clippy::too_many_arguments)] // One place that is called, in the innermost loop.
+fn step<const N: usize>(
+    sample: &Sample,
+    limits: Limits,
+    side: Side,
+    meeting: Meeting,
+    ray: &mut Ray,
+    path: &mut Path<N>,
+    collector: &mut impl Collector<N>,
+    balance: &mut Balance<N>,
+) -> bool {
+    let hit = match meeting {
+        Meeting::Hit(hit) => hit,
+        Meeting::Lost => {
+            add(&mut balance.lost, &path.weight);
+            return false;
+        }
+        Meeting::Leaves => {
+            let beyond = i32::from(path.layer) + if ray.direction.z > 0.0 { 1 } else { -1 };
+            if (0..sample.layers.len() as i32).contains(&beyond) {
+                path.layer = beyond as u16;
+                ray.piece = NO_PIECE;
+                return true;
+            }
+            leave(side, ray, path, collector, balance);
+            return false;
+        }
+    };
+    let medium = &sample.media[usize::from(path.medium)];
+    for b in 0..N {
+        if medium.absorption[b] > 0.0 {
+            let kept = path.weight[b] * (-medium.absorption[b] * hit.distance).exp();
+            balance.absorbed[b] += path.weight[b] - kept;
+            path.weight[b] = kept;
+        }
+    }
+    let surface = &sample.surfaces[hit.surface as usize];
+    let face = usize::from(ray.direction.dot(hit.normal) > 0.0);
+    if surface.media[face] != path.medium {
+        // The geometry does not agree on what is inside: a hole, or two bodies that overlap.
+        add(&mut balance.lost, &path.weight);
+        return false;
+    }
+    let arrival = Arrival {
+        direction: ray.direction,
+        normal: if face == 0 { hit.normal } else { -hit.normal },
+        here: medium,
+        beyond: &sample.media[usize::from(surface.media[1 - face])],
+    };
+    let before = path.weight;
+    let mut absorbed = [0.0; N];
+    let material = &sample.materials[surface.materials[face] as usize];
+    let departure = material.scatter(&arrival, &mut path.weight, &mut absorbed, &mut path.draws);
+    add(&mut balance.absorbed, &absorbed);
+    let Some(departure) = departure else {
+        for b in 0..N {
+            balance.roulette[b] += before[b] - absorbed[b];
+        }
+        return false;
+    };
+    path.events += 1;
+    path.specular &= departure.specular;
+    ray.direction = departure.direction;
+    if departure.passes {
+        path.medium = surface.media[1 - face];
+    }
+    let goes_on = survives(limits, path);
+    for b in 0..N {
+        balance.roulette[b] += before[b] - absorbed[b] - path.weight[b];
+    }
+    if goes_on && path.events >= limits.events {
+        add(&mut balance.cut_off, &path.weight);
+        return false;
+    }
+    goes_on
+}
+
+/// Roulette for a path that carries little.
+fn survives<const N: usize>(limits: Limits, path: &mut Path<N>) -> bool {
+    let most = path.weight.iter().copied().fold(0.0, f64::max);
+    if most >= limits.roulette {
+        return true;
+    }
+    let chance = most / limits.roulette;
+    if path.draws.next() < chance {
+        for w in &mut path.weight {
+            *w /= chance;
+        }
+        true
+    } else {
+        path.weight = [0.0; N];
+        false
+    }
+}
+
+fn leave<const N: usize>(
+    side: Side,
+    ray: &Ray,
+    path: &Path<N>,
+    collector: &mut impl Collector<N>,
+    balance: &mut Balance<N>,
+) {
+    let leaves_to = if ray.direction.z > 0.0 {
+        Side::Interior
+    } else {
+        Side::Exterior
+    };
+    let scatter = if leaves_to == side {
+        Scatter::Reflection
+    } else {
+        Scatter::Transmission
+    };
+    let outgoing = Disk::new(ray.direction.x, ray.direction.y);
+    let stray = (outgoing.x - path.incident.x)
+        .abs()
+        .max((outgoing.y - path.incident.y).abs());
+    let beam = path.specular && stray < STRAIGHT;
+    match scatter {
+        Scatter::Transmission => add(&mut balance.transmitted, &path.weight),
+        Scatter::Reflection => add(&mut balance.reflected, &path.weight),
+    }
+    collector.collect(scatter, path.incident, outgoing, beam, &path.weight);
+}
