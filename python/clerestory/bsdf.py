@@ -40,8 +40,10 @@ class Region:
     @classmethod
     def ring(cls, axis: ArrayLike, inner_deg: float, outer_deg: float) -> Region:
         """Between two angles [°] from an outgoing direction (3,). Rings that join sum to the cone that they fill."""
-        x, y, z = np.asarray(axis, dtype=np.float64) / np.linalg.norm(np.asarray(axis, dtype=np.float64))
-        del z
+        d = np.asarray(axis, dtype=np.float64)
+        if d.shape != (3,) or not np.isfinite(d).all() or not d.any():
+            raise _core.ClerestoryError(f"{axis!r} is not an outgoing direction (give x, y, z along the light)")
+        x, y, _ = d / np.linalg.norm(d)
         words = f"within {outer_deg:g}°" if inner_deg == 0.0 else f"{inner_deg:g}° to {outer_deg:g}°"
         if not 0.0 <= inner_deg < outer_deg <= 180.0:
             raise _core.ClerestoryError(f"a region {words} of a direction is empty (give angles from 0 to 180°)")
@@ -51,6 +53,9 @@ class Region:
     def patches(cls, basis: Basis, indices: Iterable[int]) -> Region:
         """Patches of a basis, counted from 0."""
         chosen = [int(i) for i in indices]
+        beyond = [i for i in chosen if not 0 <= i < len(basis)]
+        if beyond:
+            raise _core.ClerestoryError(f"{basis.name} has no patch of index {beyond[0]} (give 0 to {len(basis) - 1})")
         return cls((basis._core, chosen), f"{len(chosen)} patches of {basis.name}")
 
 
@@ -355,6 +360,8 @@ class Bsdf(Operations):
 
     def rotated(self, angle_deg: float) -> Bsdf:
         """The sample turned in its plane, counter-clockwise as seen from the room [°]."""
+        if not np.isfinite(angle_deg):
+            raise _core.ClerestoryError(f"{angle_deg} is not an angle to turn by (give degrees)")
         return Bsdf(self._core.turned(float(np.radians(angle_deg)), mirror=False))
 
     def mirrored(self) -> Bsdf:

@@ -93,6 +93,7 @@ class Operations:
             Ctrl-C was pressed; nothing is left behind.
         """
         incident = _basis(basis)
+        _check_sampling(samples, seed)
         core, rows = self._chosen(bands).to_matrix(
             incident._core,
             incident._core if outgoing is None else _basis(outgoing)._core,
@@ -145,6 +146,7 @@ class Operations:
             raise ClerestoryError(f"{rank!r} is not a kind of tensor tree (give tensor3 or tensor4)")
         if not 0 <= resolution <= 10:
             raise ClerestoryError(f"resolution {resolution} is not one of a tensor tree (give 0 to 10)")
+        _check_sampling(samples, seed)
         core, rows = self._chosen(bands).to_tree(rank == "tensor3", resolution, samples, reduce, seed, progress)
         return type(self)(core, [ConversionReport(*row) for row in rows])
 
@@ -263,6 +265,13 @@ class Operations:
         if bands is None:
             return self._core
         return self._core.with_bands([bands] if isinstance(bands, str) else list(bands))
+
+
+def _check_sampling(samples: int, seed: int) -> None:
+    if not 1 <= samples < 2**32:
+        raise ClerestoryError(f"{samples} samples cannot be taken (give 1 or more; 256 are usual)")
+    if not 0 <= seed < 2**64:
+        raise ClerestoryError(f"seed {seed} is not possible (give a number from 0 to 2^64 - 1)")
 
 
 def _basis(basis: Basis | str) -> Basis:

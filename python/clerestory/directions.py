@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from clerestory._core import ClerestoryError
+
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
@@ -35,8 +37,21 @@ def direction(theta_deg: ArrayLike, phi_deg: ArrayLike, *, side: Side = "exterio
     Returns
     -------
     Array of shape (..., 3).
+
+    Raises
+    ------
+    ClerestoryError
+        An angle to the normal is not one of 0 to 90°, an azimuth is not finite, or there is no such side.
     """
-    theta, phi = np.broadcast_arrays(np.radians(theta_deg), np.radians(phi_deg))
+    if side not in SIDES:
+        raise ClerestoryError(f"side {side!r} is not known (give exterior or interior)")
+    polar, azimuth = np.asarray(theta_deg, dtype=np.float64), np.asarray(phi_deg, dtype=np.float64)
+    beyond = polar[~((polar >= 0.0) & (polar <= 90.0))]
+    if beyond.size:
+        raise ClerestoryError(f"theta_deg {beyond[0]:g} is not an angle to the normal (give 0 to 90°, and a side)")
+    if not np.isfinite(azimuth).all():
+        raise ClerestoryError(f"phi_deg {azimuth[~np.isfinite(azimuth)][0]:g} is not an azimuth (give degrees)")
+    theta, phi = np.broadcast_arrays(np.radians(polar), np.radians(azimuth))
     sign = 1.0 if side == "interior" else -1.0
     return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), sign * np.cos(theta)], axis=-1)
 

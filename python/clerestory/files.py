@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
@@ -14,7 +15,7 @@ from clerestory.bsdf import Bsdf
 from clerestory.whole import write_whole
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from clerestory.directions import Scatter, Side
 
@@ -86,6 +87,34 @@ def write(bsdf: Bsdf, path: str | os.PathLike[str], *, target: Target = "plain")
         data, notes = bsdf._core.to_xml(target, name.endswith(".gz"))
     write_whole(path, data)
     return notes
+
+
+def default_labels(paths: Sequence[str | os.PathLike[str] | None]) -> list[str]:
+    """Names for data sets: those of their files without folder and suffix.
+
+    Files of one name are told apart by their folders or, in the end, by numbers, and so are data sets without a file.
+    """
+    files = [None if p is None else Path(p) for p in paths]
+    stems = [f"data set {k + 1}" if p is None else _stem(p) for k, p in enumerate(files)]
+    for depth in (1, 2):
+        again = Counter(stems)
+        stems = [
+            "/".join([*p.resolve().parent.parts[-depth:], _stem(p)]) if p and again[s] > 1 else s
+            for s, p in zip(stems, files, strict=True)
+        ]
+    again, seen, unique = Counter(stems), Counter[str](), []
+    for stem in stems:
+        seen[stem] += 1
+        unique.append(f"{stem} ({seen[stem]})" if again[stem] > 1 else stem)
+    return unique
+
+
+def _stem(path: Path) -> str:
+    name = path.name
+    for suffix in (".gz", ".xml", ".npz", ".bsdf"):
+        if name.lower().endswith(suffix) and len(name) > len(suffix):
+            name = name[: -len(suffix)]
+    return name
 
 
 @contextmanager

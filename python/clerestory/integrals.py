@@ -9,10 +9,11 @@ Definitions after IEA SHC Task 61 report C.2.2 (2021), doi:10.18777/ieashc-task6
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
+from clerestory._core import ClerestoryError
 from clerestory.basis import Basis
 from clerestory.bsdf import Region
 from clerestory.directions import direction, incident_in_words
@@ -178,6 +179,8 @@ def sky_radiance(incident: ArrayLike, sky: Sky, ground_reflectance: float = 0.2)
     ground_reflectance
         Of the ground, for `overcast`.
     """
+    if sky not in get_args(Sky):
+        raise ClerestoryError(f"sky {sky!r} is not known (give uniform or overcast)")
     height = np.asarray(incident, dtype=np.float64)[..., 1]
     if sky == "uniform":
         return np.ones_like(height)
@@ -207,6 +210,8 @@ def direct_direct(
     that patch.
     """
     d = np.asarray(incident, dtype=np.float64)
+    if d.shape != (3,):
+        raise ClerestoryError(f"one incident direction is asked for, not an array of shape {d.shape} (give x, y, z)")
     side: Side = "exterior" if d[2] < 0.0 else "interior"
     outgoing = continued(d, scatter)
     if cone_deg is not None:
@@ -251,6 +256,8 @@ def cut_off(
     its own threshold is not public, so curve and threshold are part of the result). The resolution is that of the data:
     on a Klems matrix the angle is the limit of a ring of patches, and scattered light can hide the cut-off.
     """
+    if not 0.01 <= step_deg <= 90.0:
+        raise ClerestoryError(f"a step of {step_deg:g}° is not possible (give 0.01 to 90)")
     theta = np.arange(0.0, 90.0, step_deg)
     incident = direction(theta, azimuth_deg, side=side)
     figures = [direct_direct(bsdf, d, band=band, cone_deg=cone_deg) for d in incident]

@@ -27,17 +27,17 @@ def write_whole(path: str | os.PathLike[str], content: bytes) -> None:
     target = path.resolve()  # a link stays a link, and what it points to is replaced
     try:
         handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=target.parent)
+        temporary = Path(name)
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(content)
+            mask = os.umask(0)
+            os.umask(mask)
+            temporary.chmod(0o666 & ~mask)
+            temporary.replace(target)
+        except BaseException:
+            temporary.unlink(missing_ok=True)
+            raise
     except OSError as error:
-        error.filename = str(path)  # not the name that nobody has asked for
-        raise
-    temporary = Path(name)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        mask = os.umask(0)
-        os.umask(mask)
-        temporary.chmod(0o666 & ~mask)
-        temporary.replace(target)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
+        # Not the temporary name, which nobody has asked for; a full disk names none.
+        raise OSError(error.errno, error.strerror, str(path)) from error

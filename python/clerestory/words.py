@@ -12,7 +12,7 @@ from clerestory.directions import SCATTERS, SIDES, direction, outgoing_side
 from clerestory.integrals import continued
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -112,6 +112,26 @@ def band_name(bsdf: Bsdf, band: str | None = None) -> str:
         if name.lower() == band.lower():
             return name
     raise MissingDataError(f"no band {band!r} (the data set has: {', '.join(bsdf.bands)})")
+
+
+def common_band(sets: Mapping[str, Bsdf], band: str | None = None) -> str:
+    """The one band that data sets are shown in: `band`, or visible, or the first that all of them hold.
+
+    Raises
+    ------
+    MissingDataError
+        None of them holds `band`, or they have none in common.
+    """
+    held = {label: [name.lower() for name in bsdf.bands] for label, bsdf in sets.items()}
+    listed = "; ".join(f"{label}: {', '.join(names)}" if label else ", ".join(names) for label, names in held.items())
+    if band is not None:
+        if not any(band.lower() in names for names in held.values()):
+            raise MissingDataError(f"no band {band!r} (there are: {listed})")
+        return band.lower()
+    common = [b for b in ("visible", *next(iter(held.values()))) if all(b in names for names in held.values())]
+    if not common:
+        raise MissingDataError(f"the data sets have no band in common (there are: {listed}; choose one)")
+    return common[0]
 
 
 def _flow(

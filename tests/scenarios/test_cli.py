@@ -184,7 +184,7 @@ def test_convert_merges_bands_and_sets_metadata(folder, tmp_path, capsys):
         *("convert", folder / "pane.xml", folder / "solar.xml.gz", output, "--for", "window"),
         *("--manufacturer", "Glassworks", "--emissivity-exterior", 0.84, "--emissivity-interior", 0.84, "--tir", 0),
     )
-    assert (code, out) == (0, f"wrote {output}: visible, solar\n"), err
+    assert (code, out) == (0, f"wrote {output}: solar, visible\n"), err
     bsdf = clerestory.read(output)
     assert set(bsdf.bands) == {"visible", "solar"}
     assert bsdf.metadata.manufacturer == "Glassworks"
@@ -238,6 +238,34 @@ def test_convert_makes_trees(folder, tmp_path, capsys):
     code, _, err = run(capsys, *words, "klems-full", "--cull", 80)
     assert code == 2
     assert "--cull" in err
+
+
+def test_convert_for_radiance_names_the_bands_that_it_wrote(folder, tmp_path, capsys):
+    output = tmp_path / "both.xml"
+    assert run(capsys, "convert", folder / "pane.xml", folder / "solar.xml.gz", output)[0] == 0
+    code, out, err = run(capsys, "convert", output, tmp_path / "r.xml", "--for", "radiance")
+    assert (code, out) == (0, f"wrote {tmp_path / 'r.xml'}: visible\n")
+    assert "left out: solar" in err
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--samples", 0),
+        ("--samples", 64),
+        ("--basis", "klems-full", "--samples", -4),
+        ("--resolution", 3),
+        ("--basis", "klems-half", "--resolution", 3),
+        ("--basis", "tensor4", "--resolution", 11),
+        ("--cull", 101),
+        ("--rotate", "nan"),
+    ],
+)
+def test_convert_refuses_numbers_without_sense_or_effect(options, folder, tmp_path, capsys):
+    code, out, err = run(capsys, "convert", folder / "pane.xml", tmp_path / "x.xml", *options)
+    assert (code, out) == (2, "")
+    assert re.fullmatch(r"error: --(samples|resolution|cull|rotate) [^\n]+ \(give [^\n]+\)\n", err)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_convert_turns_the_sample(folder, tmp_path, capsys):

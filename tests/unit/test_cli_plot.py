@@ -140,7 +140,28 @@ def test_names_of_files_become_labels():
     from pathlib import Path
 
     assert command._labels([Path("a/x.xml.gz"), Path("y.bsdf.npz")], None) == ["x", "y"]
-    assert command._labels([Path("a/x.xml"), Path("b/x.xml")], None) == ["a/x.xml", "b/x.xml"]
+    assert command._labels([Path("a/x.xml"), Path("b/x.xml")], None) == ["a/x", "b/x"]
+
+
+def test_several_files_are_shown_in_one_band(tmp_path, capsys):
+    flat = Model.matrix(np.full((41, 41), 0.1), Basis.named("klems-quarter"))
+    both = Bsdf.from_models({band: {("exterior", "transmission"): flat} for band in ("visible", "solar")})
+    one = Bsdf.from_models({"solar": {("exterior", "transmission"): flat}})
+    other = Bsdf.from_models({"nir": {("exterior", "transmission"): flat}})
+    for name, bsdf in (("both", both), ("one", one), ("other", other)):
+        bsdf.write(tmp_path / f"{name}.xml")
+    target = tmp_path / "x.png"
+    words = ("--kind", "bars", "--patch", 1, "-o", target, "--dpi", 40, "--json")
+    code, out, _ = run(capsys, "plot", tmp_path / "both.xml", tmp_path / "one.xml", *words)
+    assert code == 0
+    assert json.loads(out)["band"] == "solar"
+    assert {row["band"] for row in json.loads(out)["values"]} == {"solar"}
+    code, out, err = run(capsys, "plot", tmp_path / "one.xml", tmp_path / "other.xml", *words)
+    assert (code, out) == (1, "")
+    assert "no band in common (there are: one: solar; other: nir" in err
+    code, _, err = run(capsys, "plot", tmp_path / "one.xml", "--band", "visible", "-o", target)
+    assert code == 1
+    assert err.startswith(f"error: {tmp_path / 'one.xml'}: no band 'visible'")
 
 
 def test_real_files_are_drawn(sample_data, tmp_path, capsys):

@@ -7,8 +7,8 @@ import pytest
 
 from clerestory import Basis, Bsdf, ClerestoryError, MissingDataError, Model
 from clerestory.compare import compare
-from clerestory.compare.inputs import default_labels
 from clerestory.compare.statistics import outliers, spread
+from clerestory.files import default_labels
 
 ET = ("exterior", "transmission")
 
@@ -193,7 +193,7 @@ def test_what_cannot_be_compared_is_told_in_one_line(arguments, message):
 
 
 def test_labels_are_made_unique():
-    assert default_labels(["x/a.xml", "x/b.xml.gz", "x/c.bsdf.npz"]) == ["a", "b", "c"]
+    assert default_labels(["x/a.xml", "x/b.xml.gz", "x/c.bsdf.npz", "d.npz"]) == ["a", "b", "c", "d"]
     assert default_labels(["x/a.xml", "y/a.xml"]) == ["x/a", "y/a"]
     assert len(set(default_labels(["x/a.xml", "x/a.xml", None, None]))) == 4
 

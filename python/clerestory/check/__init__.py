@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from clerestory._core import ClerestoryError
 from clerestory.check.conventions import copies, halves, placeholders, symmetry, transposed, units
 from clerestory.check.finding import PURPOSES, SEVERITIES, Finding, Purpose, Severity
 from clerestory.check.physics import empty, energy, negative, outliers, reciprocity, thermal
@@ -53,5 +54,7 @@ def check(bsdf: Bsdf, *, purpose: Purpose | None = None, band: str | None = None
             if name == band_name(bsdf, band):
                 findings += symmetry(found, sample)
     if purpose is not None:
+        if purpose not in PURPOSES:
+            raise ClerestoryError(f"purpose {purpose!r} is not known (give {', '.join(PURPOSES)})")
         findings += serves(bsdf, band_name(bsdf, band), purpose)
     return sorted(findings, key=lambda finding: SEVERITIES.index(finding.severity))

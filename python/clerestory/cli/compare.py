@@ -76,6 +76,8 @@ def compare(
         raise UsageError("the report has no name (give -o report.html, or --json)")
     given, paths = zip(*(_parted(word) for word in files), strict=True)
     if output is not None:
+        if output.suffix.lower() not in (".html", ".htm"):
+            raise UsageError(f"{output}: the report is an HTML file (end the name with .html)")
         refuse_overwriting(output, paths)
         if not output.parent.is_dir():
             raise UsageError(f"{output}: the folder {output.parent} does not exist (create it first)")
@@ -132,7 +134,7 @@ def _parted(word: str) -> tuple[str | None, Path]:
 
 
 def _names(given: Sequence[str | None], paths: Sequence[str], labels: Sequence[str] | None) -> list[str]:
-    from clerestory.compare.inputs import default_labels
+    from clerestory.files import default_labels
 
     if labels:
         if any(given):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -69,8 +70,9 @@ def convert(
         ),
     ] = None,
     resolution: Annotated[
-        int, typer.Option(metavar="N", help="2^N cells an axis at the finest, for tensor3 and tensor4.")
-    ] = 6,
+        int | None,
+        typer.Option(metavar="N", help="2^N cells an axis at the finest, for tensor3 and tensor4; 6 by default."),
+    ] = None,
     samples: Annotated[
         int | None,
         typer.Option(
@@ -132,10 +134,9 @@ def convert(
 
     Example: clerestory convert visible.xml solar.xml blind.xml --for window --thickness 80
     """
-    if cull is not None and basis is not None and basis not in TREES:
-        raise UsageError(
-            f"--cull with --basis {basis}: only trees can be culled (give --basis tensor4, or leave it out)"
-        )
+    _refuse_useless(basis, resolution=resolution, samples=samples, cull=cull)
+    if not isfinite(rotate):
+        raise UsageError(f"--rotate {rotate:g}: not an angle (give degrees, such as 90)")
     wanted = next(t for t in TARGETS if t == one_of(target, "--for", TARGETS))
     if not output.name.lower().endswith(SUFFIXES):
         raise UsageError(f"{output}: the name does not tell the format (end it with .xml, .xml.gz or .bsdf.npz)")
@@ -144,6 +145,7 @@ def convert(
     side = None if assume_side is None else side_of(assume_side, "--assume-side")
     scatter = None if assume_scatter is None else scatter_of(assume_scatter, "--assume-scatter")
 
+    import clerestory
     from clerestory.bsdf import Bsdf
 
     tree = next((rank for rank in TREES if rank == basis), None)
@@ -161,11 +163,16 @@ def convert(
         reduced: list[Reduced] = []
         with progress("converting") as done:
             if patches is not None:
-                bsdf = bsdf.to_matrix(patches, samples=samples or 256, progress=done)
+                bsdf = bsdf.to_matrix(patches, samples=256 if samples is None else samples, progress=done)
                 reports = bsdf.conversion
             elif tree is not None:
-                merged = 90.0 if cull is None else cull
-                bsdf = bsdf.to_tree(tree, resolution=resolution, samples=samples or 16, reduce=merged, progress=done)
+                bsdf = bsdf.to_tree(
+                    tree,
+                    resolution=6 if resolution is None else resolution,
+                    samples=16 if samples is None else samples,
+                    reduce=90.0 if cull is None else cull,
+                    progress=done,
+                )
                 reports = bsdf.conversion
             elif cull is not None:
                 bsdf, reduced = _culled(bsdf, cull)
@@ -188,8 +195,10 @@ def convert(
         if given:
             bsdf = bsdf.with_metadata(**given)
         notes = bsdf.write(output, target=wanted)
+        # A target may leave bands out.
+        written = bsdf.bands if wanted == "plain" or not output.is_file() else clerestory.read(output).bands
     if as_json:
-        print_json({"output": output, "bands": bsdf.bands, "conversion": reports, "reduction": reduced, "notes": notes})
+        print_json({"output": output, "bands": written, "conversion": reports, "reduction": reduced, "notes": notes})
         return
     for text in notes:
         note(f"note: {output}: {text}")
@@ -197,7 +206,7 @@ def convert(
         say(_report(reports))
     if reduced:
         say(_reductions(reduced))
-    say(f"wrote {output}: {', '.join(bsdf.bands)}")
+    say(f"wrote {output}: {', '.join(written)}")
 
 
 def _basis(name: str | None, option: str) -> Basis | None:
@@ -210,6 +219,24 @@ def _basis(name: str | None, option: str) -> Basis | None:
         return Basis.named(name)
     except ClerestoryError as error:
         raise UsageError(f"{option} {name}: {error}") from None
+
+
+def _refuse_useless(basis: str | None, *, resolution: int | None, samples: int | None, cull: float | None) -> None:
+    """Fail on numbers that make no sense, or that would have no effect."""
+    if resolution is not None and not 0 <= resolution <= 10:
+        raise UsageError(f"--resolution {resolution}: not one of a tensor tree (give 0 to 10; 4 to 7 are usual)")
+    if resolution is not None and basis not in TREES:
+        raise UsageError(f"--resolution {resolution}: only new trees have one (give --basis tensor4 too)")
+    if samples is not None and samples < 1:
+        raise UsageError(f"--samples {samples}: not a number of samples (give 1 or more; 256 are usual)")
+    if samples is not None and basis is None:
+        raise UsageError(f"--samples {samples}: nothing is sampled without a new basis (give --basis too)")
+    if cull is not None and not 0.0 <= cull <= 100.0:
+        raise UsageError(f"--cull {cull:g}: not a percentage (give 0 to 100; 90 to 95 are usual)")
+    if cull is not None and basis is not None and basis not in TREES:
+        raise UsageError(
+            f"--cull with --basis {basis}: only trees can be culled (give --basis tensor4, or leave it out)"
+        )
 
 
 def _bands_of(texts: list[str], inputs: list[Path]) -> dict[Path, str]:
@@ -248,8 +275,6 @@ def _metres(millimetres: float | None) -> float | None:
 
 def _culled(bsdf: Bsdf, percent: float) -> tuple[Bsdf, list[Reduced]]:
     """Every tensor tree with fewer leaves."""
-    if not 0.0 <= percent <= 100.0:
-        raise UsageError(f"--cull {percent:g}: not a percentage (give 0 to 100; 90 to 95 are usual)")
     models: dict[str, dict[tuple[Side, Scatter], Model]] = {}
     reduced = []
     for band, members in bsdf.models.items():

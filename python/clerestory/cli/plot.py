@@ -118,6 +118,7 @@ def plot(
     Example: clerestory plot blind.xml -o blind.png --patch 88 --region cone:50,270,10
     """
     from clerestory.plot.style import render, suffix_of
+    from clerestory.words import common_band
 
     suffix = suffix_of(output)
     paths = files or []
@@ -141,6 +142,11 @@ def plot(
     sources = _sources(chosen, incident, patch, sides)
     regions = _regions(region, sides, scatters)
     sets = {name: read(path) for name, path in zip(names, paths, strict=True)}
+    if len(paths) == 1:
+        with about(paths[0]):
+            band = common_band(sets, band)
+    elif paths:
+        band = common_band(sets, band)
 
     options: dict[str, Any] = {"side": sides, "scatter": scatters, "band": band}
     if log is not None:
@@ -202,13 +208,9 @@ def _refuse_useless(kind: str, given: dict[str, bool]) -> None:
 
 
 def _labels(paths: Sequence[Path], labels: Sequence[str] | None) -> list[str]:
-    if labels is None:
-        names = [path.name.removesuffix(".gz").removesuffix(".npz").removesuffix(".xml") for path in paths]
-        names = [name.removesuffix(".bsdf").removesuffix(".XML") for name in names]
-        # Files of one name in several folders are told apart by their paths.
-        names = [str(path) if names.count(name) > 1 else name for name, path in zip(names, paths, strict=True)]
-    else:
-        names = list(labels)
+    from clerestory.files import default_labels
+
+    names = default_labels(paths) if labels is None else list(labels)
     if len(names) != len(paths):
         raise UsageError(f"--label: {len(names)} names do not go with {len(paths)} files (give one a file, in order)")
     twice = [name for name in names if names.count(name) > 1]
@@ -277,7 +279,6 @@ def _patch_numbers(text: str, option: str, count: int) -> list[int]:
 def _draw(kind: str, sets: dict[str, Bsdf], sources: list[Any], options: dict[str, Any]) -> Figure:
     from clerestory import plot as pictures
     from clerestory.plot.view import component_words
-    from clerestory.words import band_name
 
     names, data = list(sets), list(sets.values())
     projection = {k: v for k, v in options.items() if k == "projection"}
@@ -293,7 +294,7 @@ def _draw(kind: str, sets: dict[str, Bsdf], sources: list[Any], options: dict[st
     if kind == "bars":
         return pictures.transmittance_bars(
             pictures.transmittances(sets, sources, **component),
-            title=component_words(band_name(data[0], options["band"]), options["side"], options["scatter"]),
+            title=component_words(options["band"], options["side"], options["scatter"]),
             ylabel="transmittance" if component["scatter"] == "transmission" else "reflectance",
         )
     if kind == "map":

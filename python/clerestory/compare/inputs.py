@@ -10,12 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
+from clerestory import words
 from clerestory._core import ClerestoryError, MissingDataError
 from clerestory.bsdf import Bsdf
 from clerestory.compare.quantities import klems
 from clerestory.compare.result import DataSet
 from clerestory.describe import blocks
-from clerestory.files import read
+from clerestory.files import default_labels, read
 
 if TYPE_CHECKING:
     from clerestory.compare.result import Settings
@@ -86,30 +87,6 @@ def _named(sets: Sources, labels: Sequence[str] | None) -> dict[str, Source]:
     return dict(zip(labels, sources, strict=True))
 
 
-def default_labels(paths: Sequence[str | None]) -> list[str]:
-    """Names of files without folder and suffix, made unique by their folders or, in the end, by numbers."""
-    stems = [f"data set {k + 1}" if p is None else _stem(Path(p)) for k, p in enumerate(paths)]
-    for depth in (1, 2):
-        again = Counter(stems)
-        stems = [
-            "/".join([*Path(p).resolve().parent.parts[-depth:], _stem(Path(p))]) if p and again[s] > 1 else s
-            for s, p in zip(stems, paths, strict=True)
-        ]
-    again, seen, unique = Counter(stems), Counter[str](), []
-    for stem in stems:
-        seen[stem] += 1
-        unique.append(f"{stem} ({seen[stem]})" if again[stem] > 1 else stem)
-    return unique
-
-
-def _stem(path: Path) -> str:
-    name = path.name
-    for suffix in (".gz", ".xml", ".bsdf.npz"):
-        if name.lower().endswith(suffix) and len(name) > len(suffix):
-            name = name[: -len(suffix)]
-    return name
-
-
 def common_band(data: Mapping[str, Bsdf], band: str | None) -> tuple[str, list[str]]:
     """The band to compare, and a note if it is not visible.
 
@@ -118,20 +95,15 @@ def common_band(data: Mapping[str, Bsdf], band: str | None) -> tuple[str, list[s
     MissingDataError
         The data sets have no band in common, or one lacks the band that was asked for.
     """
-    by_set = {label: {b.lower(): b for b in bsdf.bands} for label, bsdf in data.items()}
-    listed = "; ".join(f"{label}: {', '.join(bsdf.bands)}" for label, bsdf in data.items())
     if band is not None:
-        lacking = [label for label, names in by_set.items() if band.lower() not in names]
-        if lacking:
-            raise MissingDataError(f"{lacking[0]} has no band {band!r} (there are: {listed})")
-        return band.lower(), []
-    first = next(iter(data.values())).bands
-    common = [b for b in ("visible", *first) if all(b.lower() in names for names in by_set.values())]
-    if not common:
-        raise MissingDataError(f"the data sets have no band in common (there are: {listed})")
-    if common[0] == "visible":
-        return "visible", []
-    return common[0], [f"band {common[0]} is compared: not all data sets have visible"]
+        for label, bsdf in data.items():
+            if band.lower() not in (b.lower() for b in bsdf.bands):
+                listed = "; ".join(f"{name}: {', '.join(b.bands)}" for name, b in data.items())
+                raise MissingDataError(f"{label} has no band {band!r} (there are: {listed})")
+    chosen = words.common_band(data, band)
+    if band is not None or chosen == "visible":
+        return chosen, []
+    return chosen, [f"band {chosen} is compared: not all data sets have visible"]
 
 
 def described(label: str, source: Input, settings: Settings) -> DataSet:

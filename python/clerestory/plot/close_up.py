@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from clerestory.bsdf import Bsdf
     from clerestory.directions import Scatter, Side
 
+MOST_CELLS = 2000
+"""Of a close-up, across."""
+
 
 @style.styled
 def close_up(
@@ -63,10 +66,11 @@ def close_up(
     MissingDataError
         The data set does not hold this component.
     """
-    if not 0.0 < half_width_deg <= 90.0 or not 0.0 < step_arcmin <= 60.0 * half_width_deg:
+    cells = 120.0 * half_width_deg / step_arcmin if step_arcmin > 0.0 else np.inf
+    if not 0.0 < half_width_deg <= 90.0 or not 2.0 <= cells <= MOST_CELLS:
         raise ClerestoryError(
             f"a close-up of ±{half_width_deg:g}° in steps of {step_arcmin:g}' is not possible "
-            "(give a half width up to 90° and a smaller step above 0)"
+            f"(give a half width up to 90° and steps that make 2 to {MOST_CELLS} of it)"
         )
     view = View.of(bsdf, incident, side=side, scatter=scatter, band=band, label=label)
     peaks = sorted(view.peaks(), key=lambda p: -p.value)

@@ -11,7 +11,7 @@ from clerestory._core import MissingDataError
 from clerestory.plot import disk, style
 from clerestory.plot.hemisphere import mark_peaks, missing_handle, paint
 from clerestory.plot.view import PATCHES, View, component_words, labelled, lights
-from clerestory.words import band_name
+from clerestory.words import common_band
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -55,6 +55,7 @@ def hemisphere_grid(
         As for `hemisphere`.
     """
     data, sources = labelled(sets), lights(incident, side)
+    band = common_band(data, band)
     views = {(name, k): _view(data[name], s, name, scatter, band) for name in data for k, s in enumerate(sources)}
     images = {
         key: view.evaluate(disk.pixels(pixels, view.outgoing_side, projection), quantity)
@@ -99,7 +100,7 @@ def hemisphere_grid(
                 mark_peaks(ax, view.peaks(), projection, size=5)
                 ax.text(0, -1.03, f"{view.symbol} = {style.figures(view.total())}", ha="center", va="top", fontsize=7)
             disk.frame(ax, projection, labels=False)
-    words = component_words(band_name(next(iter(data.values())), band), sources[0].side, scatter)
+    words = component_words(band, sources[0].side, scatter)
     leaving = next((v.outgoing_side for v in views.values() if v is not None), "interior")
     figure.text(0.5, 1 - 0.1 / height, words, ha="center", va="top", fontsize=10)
     bar_width = min(4.5, width - 1.0)

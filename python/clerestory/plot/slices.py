@@ -10,7 +10,7 @@ from clerestory._core import MissingDataError
 from clerestory.directions import angles, outgoing_in_words, outgoing_side
 from clerestory.plot import style
 from clerestory.plot.view import View, component_words, labelled, lights
-from clerestory.words import band_name
+from clerestory.words import common_band
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -74,6 +74,7 @@ def slices(
         Axes to draw on, for one incident direction; a new figure by default.
     """
     data, sources = labelled(sets), lights(incident, side)
+    band = common_band(data, band)
     alpha = np.linspace(-90.0, 90.0, round(180.0 / step_deg) + 1)
     if ax is None:
         across = min(len(sources), 2)
@@ -116,9 +117,8 @@ def slices(
         if legend is not None:
             ax.add_artist(legend)
     if ax is None:
-        first = next(iter(data.values()))
         where = "" if len(data) > 1 else next(iter(data))
-        title = component_words(band_name(first, band), sources[0].side, scatter)
+        title = component_words(band, sources[0].side, scatter)
         figure.suptitle("\n".join(t for t in (where, title) if t), fontsize=10)
     return figure
 

@@ -13,6 +13,7 @@ from clerestory.bsdf import Bsdf, Region
 from clerestory.integrals import hemispherical, own_basis
 from clerestory.plot import style
 from clerestory.plot.view import PATCHES, labelled, light
+from clerestory.words import common_band
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -122,7 +123,9 @@ def transmittances(
     klems, letter = Basis.named("klems-full"), "T" if scatter == "transmission" else "R"
     chosen = [light(int(n), side) for n in patches]
     table = {}
-    for name, bsdf in labelled(sets).items():
+    data = labelled(sets)
+    band = common_band(data, band)
+    for name, bsdf in data.items():
         row = {f"{letter}_h-h": np.nan}
         row |= {_key(letter, part, source): np.nan for part in ("d-h", "d-d") for source in chosen}
         with suppress(MissingDataError):

@@ -11,7 +11,7 @@ from matplotlib.colors import Normalize
 from clerestory.plot import disk, style
 from clerestory.plot.hemisphere import paint
 from clerestory.plot.view import component_words
-from clerestory.words import band_name
+from clerestory.words import common_band
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -63,12 +63,12 @@ def transmittance_map(
         A data set does not hold this component.
     """
     members = [bsdf] if minus is None else [bsdf, minus]
+    band = common_band(dict(zip((label, f"minus {minus_label}"), members, strict=False)), band)
     models = [b.model(side, scatter, band) for b in members]
     count = pixels or (360 if all(model.kind == "matrix" for model, _ in models) else 180)
     directions = disk.pixels(count, side, projection)
     values = direct_hemispherical_at(bsdf, directions, side, scatter, band)
     symbol = f"${'T' if scatter == 'transmission' else 'R'}_{{\\mathrm{{d‐h}}}}$"
-    name = band_name(bsdf, band)
     if minus is None:
         norm, title, quantity = style.norm(values, "linear", limits), label, symbol
         colours = style.colours()
@@ -84,7 +84,7 @@ def transmittance_map(
     image = paint(ax, values, norm)
     image.set_cmap(colours)
     disk.frame(ax, projection, words=disk.INCIDENT_WORDS)
-    words = component_words(name, side, scatter, by_reciprocity=any(r for _, r in models))
+    words = component_words(band, side, scatter, by_reciprocity=any(r for _, r in models))
     title = "\n".join(textwrap.wrap(title, 60))
     ax.set_title("\n".join(t for t in (title, words, "incident directions, as seen from the room") if t))
     bar = figure.colorbar(image, ax=ax, shrink=0.82, pad=0.02, extend=style.extend(values, norm))
