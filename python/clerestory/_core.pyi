@@ -4,7 +4,7 @@ Directions are arrays (n, 3), points of the disk of travel arrays (n, 2); angles
 """
 
 from collections.abc import Callable
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -127,6 +127,10 @@ class Bsdf:
     def metadata_fields(self) -> list[tuple[str, str | float]]: ...
     def with_metadata_fields(self, fields: list[tuple[str, str | float]]) -> Bsdf: ...
 
+class Geometry:
+    @staticmethod
+    def profile(pieces: _Floats, surfaces: _Entries, period: float) -> Geometry: ...
+
 class Model:
     @staticmethod
     def matrix(incident: Basis, outgoing: Basis, values: _Floats, standard_errors: _Floats | None = None) -> Model: ...
@@ -165,6 +169,28 @@ class Model:
     def tree_shape(self) -> tuple[int, int, int]: ...
     def reduced_by_percent(self, percent: float) -> tuple[Model, tuple[float, float, int, int]]: ...
     def reduced_by_error(self, bound: float) -> tuple[Model, tuple[float, float, int, int]]: ...
+
+class Sample:
+    def __new__(
+        cls,
+        bands: list[str],
+        layers: list[Geometry],
+        surfaces: list[tuple[tuple[int, int], tuple[int, int]]],
+        materials: list[dict[str, Any]],
+        media: list[dict[str, list[float]]],
+    ) -> Sample: ...
+    def depth(self) -> list[float]: ...
+    def measure(
+        self,
+        incident: Basis,
+        outgoing: Basis,
+        sides: list[Side],
+        replications: int,
+        paths: int,
+        seed: int,
+        threads: int,
+        progress: Callable[[float], object] | None,
+    ) -> tuple[Bsdf, list[list[float]]]: ...
 
 class System:
     @staticmethod

@@ -12,6 +12,8 @@ mod jobs;
 mod model;
 mod npz;
 mod system;
+mod trace;
+mod trace_material;
 mod tree;
 mod xml;
 
@@ -32,6 +34,8 @@ mod _core {
     use crate::model::PyModel;
     #[pymodule_export]
     use crate::system::PySystem;
+    #[pymodule_export]
+    use crate::trace::{PyGeometry, PySample};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -1,0 +1,12 @@
+"""The virtual goniophotometer: from a sample's geometry and materials to its BSDF, with standard errors.
+
+A sample comes from a recipe, a TOML file (`load`), or from a function named after its kind, such as `venetian_blind`;
+`measure` traces rays through it.
+"""
+
+from clerestory.trace.instrument import Balance, Measured, measure, run
+from clerestory.trace.keys import RecipeError
+from clerestory.trace.sample import Sample, load
+from clerestory.trace.shipped import names
+
+__all__ = ["Balance", "Measured", "RecipeError", "Sample", "load", "measure", "names", "run"]

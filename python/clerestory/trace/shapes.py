@@ -1,0 +1,136 @@
+"""Shapes as recipes make them, before the core takes them: sections of segments and arcs, meshes, solids.
+
+Lengths are metres, in the sample's frame: z into the room, y up, x to the right as seen from the room.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from numpy.typing import NDArray
+
+AIR = "air"
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Face:
+    """A surface: the material that light from the front meets and that from the back, and the media there."""
+
+    front: str
+    back: str
+    before: str = AIR
+    behind: str = AIR
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A stretch of a section. Its front is on the left of the way, seen with z to the right and y up."""
+
+    start: Point
+    """(z, y) [m]."""
+    end: Point
+    """(z, y) [m]."""
+    turn: float
+    """Angle that the way turns through [rad], counter-clockwise positive; 0 for a straight segment."""
+    face: Face
+
+    def points(self, step: float = math.radians(4.0)) -> NDArray[np.float64]:
+        """Points (n, 2) along it, for pictures."""
+        (z0, y0), (z1, y1) = self.start, self.end
+        if self.turn == 0.0:
+            return np.array([self.start, self.end])
+        centre, radius = self.circle()
+        first = math.atan2(y0 - centre[1], z0 - centre[0])
+        angles = first + np.linspace(0.0, self.turn, max(3, int(abs(self.turn) / step) + 2))
+        points = np.column_stack([centre[0] + radius * np.cos(angles), centre[1] + radius * np.sin(angles)])
+        points[0], points[-1] = self.start, (z1, y1)
+        return points
+
+    def circle(self) -> tuple[Point, float]:
+        """Centre and radius of an arc."""
+        (z0, y0), (z1, y1) = self.start, self.end
+        chord_z, chord_y = z1 - z0, y1 - y0
+        # The centre lies on the left of the chord for a way that turns left by less than half a circle.
+        reach = 0.5 / math.tan(self.turn / 2.0)
+        centre = (0.5 * (z0 + z1) - chord_y * reach, 0.5 * (y0 + y1) + chord_z * reach)
+        return centre, math.hypot(z0 - centre[0], y0 - centre[1])
+
+
+@dataclass(frozen=True)
+class Section:
+    """An extruded section: infinite in x, repeated in y."""
+
+    pieces: tuple[Piece, ...]
+    period: float
+    """Along y [m]."""
+
+    def moved(self, z: float) -> Section:
+        """The same, shifted along z [m]."""
+        if z == 0.0:
+            return self
+        pieces = (replace(p, start=(p.start[0] + z, p.start[1]), end=(p.end[0] + z, p.end[1])) for p in self.pieces)
+        return Section(tuple(pieces), self.period)
+
+    def depth(self) -> tuple[float, float]:
+        """Least and greatest z [m]."""
+        z = np.concatenate([p.points()[:, 0] for p in self.pieces])
+        return float(z.min()), float(z.max())
+
+
+Shape = Section
+"""What a sample is made of."""
+
+
+@dataclass
+class Way:
+    """A way along which a section's pieces are laid, one after the other."""
+
+    at: Point
+    face: Face
+    pieces: list[Piece] = field(default_factory=list)
+
+    def line(self, to: Point) -> Way:
+        """Straight on to a point [m]."""
+        return self.arc(to, 0.0)
+
+    def arc(self, to: Point, turn: float) -> Way:
+        """On an arc that turns by an angle [rad], left positive, to a point [m]; long arcs become several."""
+        parts = max(1, math.ceil(abs(turn) / (0.75 * math.pi)))
+        whole = Piece(self.at, to, turn, self.face)
+        if parts > 1:
+            (z, y), radius = whole.circle()
+            first = math.atan2(self.at[1] - y, self.at[0] - z)
+            for k in range(1, parts):
+                angle = first + turn * k / parts
+                middle = (z + radius * math.cos(angle), y + radius * math.sin(angle))
+                self._add(middle, turn / parts)
+        self._add(to, turn / parts)
+        return self
+
+    def _add(self, to: Point, turn: float) -> None:
+        if to != self.at:
+            self.pieces.append(Piece(self.at, to, turn, self.face))
+        self.at = to
+
+
+def turned(pieces: Iterable[Piece], angle: float) -> list[Piece]:
+    """Pieces turned about the origin, counter-clockwise seen with z to the right and y up [rad]."""
+    cos, sin = math.cos(angle), math.sin(angle)
+
+    def place(p: Point) -> Point:
+        return (cos * p[0] - sin * p[1], sin * p[0] + cos * p[1])
+
+    return [replace(p, start=place(p.start), end=place(p.end)) for p in pieces]
+
+
+def shifted(pieces: Iterable[Piece], z: float, y: float) -> list[Piece]:
+    """Pieces shifted [m]."""
+    return [replace(p, start=(p.start[0] + z, p.start[1] + y), end=(p.end[0] + z, p.end[1] + y)) for p in pieces]
