@@ -1,6 +1,7 @@
 //! The smooth border of two media.
 
-use super::{Arrival, Departure, Draws, mirrored};
+use super::choice::index;
+use super::{Arrival, Beam, Departure, Draws, mirrored};
 use crate::geometry::Vec3;
 
 /// Mean of both polarisations' reflectance at a border, from index `here` to `beyond`, and the cosine beyond; total
@@ -18,7 +19,7 @@ pub fn fresnel(here: f64, beyond: f64, cos: f64) -> (f64, f64) {
 }
 
 /// Direction of travel beyond a border.
-fn refracted(direction: Vec3, normal: Vec3, ratio: f64, cos: f64, cos_beyond: f64) -> Vec3 {
+pub(super) fn refracted(direction: Vec3, normal: Vec3, ratio: f64, cos: f64, cos_beyond: f64) -> Vec3 {
     (direction * ratio + normal * (ratio * cos - cos_beyond)).unit()
 }
 
@@ -31,7 +32,7 @@ pub(super) fn scatter<const N: usize>(
     draws: &mut Draws,
 ) -> Option<Departure> {
     *absorbed = [0.0; N];
-    let cos = (-arrival.direction.dot(arrival.normal)).clamp(0.0, 1.0);
+    let cos = arrival.cos();
     let ratio = |b: usize| arrival.here.index[b] / arrival.beyond.index[b];
     let mut reflectance = [0.0; N];
     let mut cos_beyond = [0.0; N];
@@ -68,16 +69,7 @@ pub(super) fn scatter<const N: usize>(
     if (first + 1..N).any(|b| weight[b] > 0.0 && ratio(b) != ratio(first)) {
         // Each band bends its own way.
         let total: f64 = weight.iter().sum();
-        let mut rest = draws.next() * total;
-        for (b, &w) in weight.iter().enumerate() {
-            if w > 0.0 {
-                band = b;
-                rest -= w;
-                if rest < 0.0 {
-                    break;
-                }
-            }
-        }
+        band = index(weight, total, draws)?;
         *weight = [0.0; N];
         weight[band] = total;
     }
@@ -86,4 +78,33 @@ pub(super) fn scatter<const N: usize>(
         passes: true,
         specular: true,
     })
+}
+
+/// The reflected beam, and a refracted one for each index.
+pub(super) fn beams<const N: usize>(arrival: &Arrival<'_>) -> Vec<Beam<N>> {
+    let cos = arrival.cos();
+    let mut beams = vec![Beam {
+        direction: mirrored(arrival.direction, arrival.normal),
+        passes: false,
+        value: [0.0; N],
+    }];
+    for b in 0..N {
+        let (here, beyond) = (arrival.here.index[b], arrival.beyond.index[b]);
+        let (reflectance, cos_beyond) = fresnel(here, beyond, cos);
+        beams[0].value[b] = reflectance;
+        if reflectance < 1.0 {
+            let direction = refracted(arrival.direction, arrival.normal, here / beyond, cos, cos_beyond);
+            let k = beams[1..].iter().position(|beam| beam.direction == direction);
+            let k = k.map_or(beams.len(), |k| k + 1);
+            if k == beams.len() {
+                beams.push(Beam {
+                    direction,
+                    passes: true,
+                    value: [0.0; N],
+                });
+            }
+            beams[k].value[b] = 1.0 - reflectance;
+        }
+    }
+    beams
 }

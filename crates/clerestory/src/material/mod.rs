@@ -6,33 +6,25 @@
 //!
 //! Every property has one value a band; all bands travel in one path.
 
+mod check;
+mod choice;
 mod draws;
+mod glossy;
+mod haze;
 mod interface;
+mod lambertian;
+mod medium;
+mod pane;
 
 pub use draws::Draws;
+pub use glossy::Glossy;
+pub use interface::fresnel;
+pub use lambertian::cosine;
+pub use medium::{Medium, henyey_greenstein};
 
-use std::f64::consts::{PI, TAU};
-
+use crate::bsdf::Slab;
+use crate::error::Result;
 use crate::geometry::Vec3;
-
-/// What fills the space between surfaces.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Medium {
-    /// Refractive index, one a band.
-    pub index: Vec<f64>,
-    /// Absorption coefficient (1/m), one a band.
-    pub absorption: Vec<f64>,
-}
-
-impl Medium {
-    /// Air: index 1, clear.
-    pub fn air(bands: usize) -> Self {
-        Self {
-            index: vec![1.0; bands],
-            absorption: vec![0.0; bands],
-        }
-    }
-}
 
 /// What a face of a surface does with light. Spectral values are one a band.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,6 +45,10 @@ pub enum Material {
     },
     /// Smooth border of two media: Fresnel's equations, unpolarised.
     Interface,
+    /// Radiance's plastic, metal or trans.
+    Glossy(Box<Glossy>),
+    /// Radiance's glass: a thin pane that light passes straight, one a band.
+    Pane(Vec<Slab>),
 }
 
 /// A surface: the material that light from the front meets and that light from the back meets, and the media there.
@@ -88,6 +84,91 @@ pub struct Departure {
     pub specular: bool,
 }
 
+/// A beam that leaves a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beam<const N: usize> {
+    /// Unit vector of travel.
+    pub direction: Vec3,
+    /// It goes to the other side.
+    pub passes: bool,
+    /// Share of the light, a band each.
+    pub value: [f64; N],
+}
+
+impl Arrival<'_> {
+    /// Cosine of the angle of incidence.
+    #[inline]
+    pub fn cos(&self) -> f64 {
+        (-self.direction.dot(self.normal)).clamp(0.0, 1.0)
+    }
+}
+
+/// How materials are made. All are refused with the name of the parameter and the band where no material has such values.
+impl Material {
+    /// Scatters evenly: shares of light that return and that pass, one a band each.
+    pub fn lambertian(reflectance: &[f64], transmittance: &[f64]) -> Result<Self> {
+        check::shares(
+            "lambertian",
+            &[("reflectance", reflectance), ("transmittance", transmittance)],
+        )?;
+        Ok(Self::Lambertian {
+            reflectance: reflectance.to_vec(),
+            transmittance: transmittance.to_vec(),
+        })
+    }
+
+    /// Reflects like a mirror: share of light that returns, one a band.
+    pub fn mirror(reflectance: &[f64]) -> Result<Self> {
+        check::shares("mirror", &[("reflectance", reflectance)])?;
+        Ok(Self::Mirror {
+            reflectance: reflectance.to_vec(),
+        })
+    }
+
+    /// Radiance's plastic: colour, one a band, specularity and roughness. The specular part has no colour.
+    pub fn plastic(colour: &[f64], specularity: f64, roughness: f64) -> Result<Self> {
+        let glossy = Glossy::new("plastic", colour, [specularity, roughness], [0.0; 2])?;
+        Ok(Self::Glossy(Box::new(glossy)))
+    }
+
+    /// Radiance's metal: colour, one a band, specularity and roughness. The specular part has the colour, too.
+    pub fn metal(colour: &[f64], specularity: f64, roughness: f64) -> Result<Self> {
+        let glossy = Glossy::new("metal", colour, [specularity, roughness], [0.0; 2])?;
+        Ok(Self::Glossy(Box::new(glossy)))
+    }
+
+    /// Radiance's trans: colour, one a band, specularity, roughness, transmission (share of what is not specularly reflected
+    /// that passes) and transmitted specularity (share of it that is not spread evenly).
+    pub fn trans(
+        colour: &[f64],
+        specularity: f64,
+        roughness: f64,
+        transmission: f64,
+        transmitted_specularity: f64,
+    ) -> Result<Self> {
+        let passes = [transmission, transmitted_specularity];
+        let glossy = Glossy::new("trans", colour, [specularity, roughness], passes)?;
+        Ok(Self::Glossy(Box::new(glossy)))
+    }
+
+    /// Radiance's glass: a thin pane of a transmissivity (transmittance of one pass along the normal between the faces), one
+    /// a band, and a refractive index (1.52 where a scene does not say).
+    pub fn glass(transmissivity: &[f64], index: f64) -> Result<Self> {
+        pane::slabs(transmissivity, index).map(Self::Pane)
+    }
+
+    /// How many bands it is made for; None where any number will do.
+    pub fn bands(&self) -> Option<usize> {
+        match self {
+            Self::Black | Self::Interface => None,
+            Self::Lambertian { reflectance, .. } | Self::Mirror { reflectance } => Some(reflectance.len()),
+            Self::Glossy(glossy) => Some(glossy.bands()),
+            Self::Pane(slabs) => Some(slabs.len()),
+        }
+    }
+}
+
+/// What materials do.
 impl Material {
     /// One way on for light, drawn at random. `weight` is what the light carries; it is multiplied so that its mean is what
     /// goes on, and `absorbed` is set to what stays, the same mean exactly known where there is a formula. None when
@@ -107,7 +188,7 @@ impl Material {
             Self::Lambertian {
                 reflectance,
                 transmittance,
-            } => lambertian(reflectance, transmittance, arrival, weight, absorbed, draws),
+            } => lambertian::scatter(reflectance, transmittance, arrival, weight, absorbed, draws),
             Self::Mirror { reflectance } => {
                 for b in 0..N {
                     absorbed[b] = weight[b] * (1.0 - reflectance[b]);
@@ -120,6 +201,46 @@ impl Material {
                 })
             }
             Self::Interface => interface::scatter(arrival, weight, absorbed, draws),
+            Self::Glossy(glossy) => glossy.scatter(arrival, weight, absorbed, draws),
+            Self::Pane(slabs) => pane::scatter(slabs, arrival, weight, absorbed, draws),
+        }
+    }
+
+    /// BSDF of the scattered part (1/sr), a band each, for light that leaves along `outgoing`: flux out over flux in, solid
+    /// angle and outgoing cosine.
+    pub fn evaluate<const N: usize>(&self, arrival: &Arrival<'_>, outgoing: Vec3) -> [f64; N] {
+        match self {
+            Self::Black | Self::Mirror { .. } | Self::Interface | Self::Pane(_) => [0.0; N],
+            Self::Lambertian {
+                reflectance,
+                transmittance,
+            } => lambertian::evaluate(reflectance, transmittance, arrival, outgoing),
+            Self::Glossy(glossy) => glossy.evaluate(arrival, outgoing),
+        }
+    }
+
+    /// The beams, mirrored, straight on or refracted.
+    pub fn beams<const N: usize>(&self, arrival: &Arrival<'_>) -> Vec<Beam<N>> {
+        let two = |[back, on]: [[f64; N]; 2]| {
+            let back = Beam {
+                direction: mirrored(arrival.direction, arrival.normal),
+                passes: false,
+                value: back,
+            };
+            let on = Beam {
+                direction: arrival.direction,
+                passes: true,
+                value: on,
+            };
+            let some = |beam: &Beam<N>| beam.value.iter().any(|v| *v > 0.0);
+            [back, on].into_iter().filter(some).collect()
+        };
+        match self {
+            Self::Black | Self::Lambertian { .. } => Vec::new(),
+            Self::Mirror { reflectance } => two([std::array::from_fn(|b| reflectance[b]), [0.0; N]]),
+            Self::Interface => interface::beams(arrival),
+            Self::Glossy(glossy) => two(glossy.beams(arrival)),
+            Self::Pane(slabs) => two(pane::values(slabs, arrival)),
         }
     }
 }
@@ -127,51 +248,4 @@ impl Material {
 /// Mirrored in the plane of a normal.
 pub fn mirrored(direction: Vec3, normal: Vec3) -> Vec3 {
     (direction - normal * (2.0 * direction.dot(normal))).unit()
-}
-
-fn lambertian<const N: usize>(
-    reflectance: &[f64],
-    transmittance: &[f64],
-    arrival: &Arrival<'_>,
-    weight: &mut [f64; N],
-    absorbed: &mut [f64; N],
-    draws: &mut Draws,
-) -> Option<Departure> {
-    let (reflectance, transmittance) = (&reflectance[..N], &transmittance[..N]);
-    let (mut back, mut on) = (0.0, 0.0);
-    for b in 0..N {
-        absorbed[b] = weight[b] * (1.0 - reflectance[b] - transmittance[b]);
-        back += weight[b] * reflectance[b];
-        on += weight[b] * transmittance[b];
-    }
-    let sum = back + on;
-    if sum <= 0.0 {
-        return None;
-    }
-    let u = [draws.next(), draws.next()];
-    let passes = on > 0.0 && draws.next() * sum >= back;
-    let (share, values) = if passes {
-        (on / sum, transmittance)
-    } else {
-        (back / sum, reflectance)
-    };
-    for b in 0..N {
-        weight[b] *= values[b] / share;
-    }
-    let normal = if passes { -arrival.normal } else { arrival.normal };
-    Some(Departure {
-        direction: cosine(normal, u),
-        passes,
-        specular: false,
-    })
-}
-
-/// A direction about a normal, its density in proportion to the cosine.
-pub fn cosine(normal: Vec3, u: [f64; 2]) -> Vec3 {
-    let [t, b] = normal.frame();
-    let r = u[0].sqrt();
-    let (sin, cos) = (TAU * u[1] - PI).sin_cos();
-    // At least a little above the surface, so that light never runs in it.
-    let z = (1.0 - u[0]).max(1e-12).sqrt();
-    (t * (r * cos) + b * (r * sin) + normal * z).unit()
 }

@@ -184,11 +184,20 @@ fn step<const N: usize>(
         }
     };
     let medium = &sample.media[usize::from(path.medium)];
-    for b in 0..N {
-        if medium.absorption[b] > 0.0 {
-            let kept = path.weight[b] * (-medium.absorption[b] * hit.distance).exp();
-            balance.absorbed[b] += path.weight[b] - kept;
-            path.weight[b] = kept;
+    if !medium.is_clear() {
+        let before = path.weight;
+        let mut absorbed = [0.0; N];
+        let scattered = medium.fly(hit.distance, &mut path.weight, &mut absorbed, &mut path.draws);
+        add(&mut balance.absorbed, &absorbed);
+        if let Some(flown) = scattered {
+            ray.origin += ray.direction * (flown - hit.distance);
+            ray.piece = NO_PIECE;
+            ray.direction = medium.scatter(ray.direction, &mut path.weight, &mut path.draws);
+            path.specular = false;
+            return goes_on(limits, path, &before, &absorbed, balance);
+        }
+        for b in 0..N {
+            balance.roulette[b] += before[b] - absorbed[b] - path.weight[b];
         }
     }
     let surface = &sample.surfaces[hit.surface as usize];
@@ -215,12 +224,23 @@ fn step<const N: usize>(
         }
         return false;
     };
-    path.events += 1;
     path.specular &= departure.specular;
     ray.direction = departure.direction;
     if departure.passes {
         path.medium = surface.media[1 - face];
     }
+    goes_on(limits, path, &before, &absorbed, balance)
+}
+
+/// Ends an event: roulette, its tally, and the greatest number of events.
+fn goes_on<const N: usize>(
+    limits: Limits,
+    path: &mut Path<N>,
+    before: &[f64; N],
+    absorbed: &[f64; N],
+    balance: &mut Balance<N>,
+) -> bool {
+    path.events += 1;
     let goes_on = survives(limits, path);
     for b in 0..N {
         balance.roulette[b] += before[b] - absorbed[b] - path.weight[b];
