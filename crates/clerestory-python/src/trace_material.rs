@@ -57,9 +57,12 @@ pub struct MediumSpec {
 impl MediumSpec {
     /// The medium of the core.
     pub fn into_medium(self) -> Medium {
+        let none = vec![0.0; self.index.len()];
         Medium {
             index: self.index,
             absorption: self.absorption,
+            scattering: none.clone(),
+            asymmetry: none,
         }
     }
 }
