@@ -9,25 +9,36 @@
 mod check;
 mod choice;
 mod draws;
+mod ggx;
 mod glossy;
 mod haze;
 mod interface;
 mod lambertian;
+mod lobe;
+mod measured;
 mod medium;
+mod microfacet;
+mod mixture;
 mod pane;
+mod rough_interface;
 
 pub use draws::Draws;
+pub use ggx::Ggx;
 pub use glossy::Glossy;
 pub use interface::fresnel;
 pub use lambertian::cosine;
+pub use lobe::{Lobe, LobeValues};
+pub use measured::Measured;
 pub use medium::{Medium, henyey_greenstein};
+pub use mixture::Mixture;
 
-use crate::bsdf::Slab;
+use crate::bsdf::{Bsdf, Slab};
+use crate::direction::Side;
 use crate::error::Result;
 use crate::geometry::Vec3;
 
 /// What a face of a surface does with light. Spectral values are one a band.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub enum Material {
     /// Absorbs everything.
     Black,
@@ -49,6 +60,16 @@ pub enum Material {
     Glossy(Box<Glossy>),
     /// Radiance's glass: a thin pane that light passes straight, one a band.
     Pane(Vec<Slab>),
+    /// Rough border of two media, of this roughness.
+    RoughInterface(f64),
+    /// Rough conductor.
+    Ggx(Box<Ggx>),
+    /// Gaussian or ABg lobe and even scattering.
+    Lobe(Box<Lobe>),
+    /// A side of a data set.
+    Measured(Box<Measured>),
+    /// A sum of materials.
+    Mixture(Box<Mixture>),
 }
 
 /// A surface: the material that light from the front meets and that light from the back meets, and the media there.
@@ -157,13 +178,49 @@ impl Material {
         pane::slabs(transmissivity, index).map(Self::Pane)
     }
 
+    /// Border of two media whose facets have the distribution GGX: roughness (alpha of Walter et al. 2007), 0 for a smooth one.
+    pub fn rough_interface(roughness: f64) -> Result<Self> {
+        check::number("rough interface", "roughness", roughness, 0.0, 1.0).map(Self::RoughInterface)
+    }
+
+    /// Conductor whose facets have the distribution GGX: reflectance of a facet at normal incidence, one a band, and
+    /// roughness (alpha), 0 for a smooth one.
+    pub fn ggx(reflectance: &[f64], roughness: f64) -> Result<Self> {
+        Ok(Self::Ggx(Box::new(Ggx::new(reflectance, roughness)?)))
+    }
+
+    /// Gaussian lobe of a standard deviation in direction cosines, and even scattering.
+    pub fn gaussian(width: f64, values: LobeValues<'_>) -> Result<Self> {
+        Ok(Self::Lobe(Box::new(Lobe::gaussian(width, values)?)))
+    }
+
+    /// ABg lobe and even scattering.
+    pub fn abg(b: f64, g: f64, values: LobeValues<'_>) -> Result<Self> {
+        Ok(Self::Lobe(Box::new(Lobe::abg(b, g, values)?)))
+    }
+
+    /// The face of a data set that is its `side`, with its y axis as near to `up` as the surface lets it be. Bands as in
+    /// [`Bsdf::band`], one for each that is traced.
+    pub fn measured(bsdf: &Bsdf, bands: &[Option<&str>], side: Side, up: Vec3) -> Result<Self> {
+        Ok(Self::Measured(Box::new(Measured::new(bsdf, bands, side, up)?)))
+    }
+
+    /// Materials with their shares, which sum to 1 at most; the rest is black.
+    pub fn mixture(parts: Vec<(f64, Self)>) -> Result<Self> {
+        Ok(Self::Mixture(Box::new(Mixture::new(parts)?)))
+    }
+
     /// How many bands it is made for; None where any number will do.
     pub fn bands(&self) -> Option<usize> {
         match self {
-            Self::Black | Self::Interface => None,
+            Self::Black | Self::Interface | Self::RoughInterface(_) => None,
             Self::Lambertian { reflectance, .. } | Self::Mirror { reflectance } => Some(reflectance.len()),
             Self::Glossy(glossy) => Some(glossy.bands()),
             Self::Pane(slabs) => Some(slabs.len()),
+            Self::Ggx(ggx) => Some(ggx.bands()),
+            Self::Lobe(lobe) => Some(lobe.bands()),
+            Self::Measured(measured) => Some(measured.bands()),
+            Self::Mixture(mixture) => mixture.bands(),
         }
     }
 }
@@ -203,6 +260,11 @@ impl Material {
             Self::Interface => interface::scatter(arrival, weight, absorbed, draws),
             Self::Glossy(glossy) => glossy.scatter(arrival, weight, absorbed, draws),
             Self::Pane(slabs) => pane::scatter(slabs, arrival, weight, absorbed, draws),
+            Self::RoughInterface(alpha) => rough_interface::scatter(*alpha, arrival, weight, absorbed, draws),
+            Self::Ggx(ggx) => ggx.scatter(arrival, weight, absorbed, draws),
+            Self::Lobe(lobe) => lobe.scatter(arrival, weight, absorbed, draws),
+            Self::Measured(measured) => measured.scatter(arrival, weight, absorbed, draws),
+            Self::Mixture(mixture) => mixture.scatter(arrival, weight, absorbed, draws),
         }
     }
 
@@ -216,6 +278,11 @@ impl Material {
                 transmittance,
             } => lambertian::evaluate(reflectance, transmittance, arrival, outgoing),
             Self::Glossy(glossy) => glossy.evaluate(arrival, outgoing),
+            Self::RoughInterface(alpha) => rough_interface::evaluate(*alpha, arrival, outgoing),
+            Self::Ggx(ggx) => ggx.evaluate(arrival, outgoing),
+            Self::Lobe(lobe) => lobe.evaluate(arrival, outgoing),
+            Self::Measured(measured) => measured.evaluate(arrival, outgoing),
+            Self::Mixture(mixture) => mixture.evaluate(arrival, outgoing),
         }
     }
 
@@ -236,11 +303,17 @@ impl Material {
             [back, on].into_iter().filter(some).collect()
         };
         match self {
-            Self::Black | Self::Lambertian { .. } => Vec::new(),
             Self::Mirror { reflectance } => two([std::array::from_fn(|b| reflectance[b]), [0.0; N]]),
             Self::Interface => interface::beams(arrival),
             Self::Glossy(glossy) => two(glossy.beams(arrival)),
             Self::Pane(slabs) => two(pane::values(slabs, arrival)),
+            Self::RoughInterface(alpha) if rough_interface::is_smooth::<N>(*alpha, arrival) => {
+                interface::beams(arrival)
+            }
+            Self::Black | Self::Lambertian { .. } | Self::Lobe(_) | Self::RoughInterface(_) => Vec::new(),
+            Self::Ggx(ggx) => two([ggx.beam(arrival), [0.0; N]]),
+            Self::Measured(measured) => measured.beams(arrival),
+            Self::Mixture(mixture) => mixture.beams(arrival),
         }
     }
 }
