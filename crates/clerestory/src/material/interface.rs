@@ -1,7 +1,7 @@
 //! The smooth border of two media.
 
 use super::choice::index;
-use super::{Arrival, Beam, Departure, Draws, mirrored};
+use super::{Arrival, Beam, Departure, Draws, Polarisation, mirrored};
 use crate::geometry::Vec3;
 
 /// Mean of both polarisations' reflectance at a border, from index `here` to `beyond`, and the cosine beyond; total
@@ -23,26 +23,69 @@ pub(super) fn refracted(direction: Vec3, normal: Vec3, ratio: f64, cos: f64, cos
     (direction * ratio + normal * (ratio * cos - cos_beyond)).unit()
 }
 
+/// What a border does with both polarisations of one band.
+#[derive(Clone, Copy)]
+struct Border {
+    /// Reflectance across and along the plane of incidence.
+    s: f64,
+    p: f64,
+    /// Product of the reflected amplitudes: its sign tells whether they are in phase.
+    both: f64,
+    cos_beyond: f64,
+}
+
+impl Border {
+    fn new(here: f64, beyond: f64, cos: f64) -> Self {
+        let ratio = here / beyond;
+        let sin2 = 1.0 - cos * cos;
+        let sin2_beyond = ratio * ratio * sin2;
+        if sin2_beyond >= 1.0 {
+            // Both are reflected, one behind the other (Born and Wolf, Principles of Optics, 1.5.4).
+            let tan = cos * (sin2 - 1.0 / (ratio * ratio)).sqrt() / sin2;
+            return Self {
+                s: 1.0,
+                p: 1.0,
+                both: (1.0 - tan * tan) / (1.0 + tan * tan),
+                cos_beyond: 0.0,
+            };
+        }
+        let cos_beyond = (1.0 - sin2_beyond).sqrt();
+        let s = (here * cos - beyond * cos_beyond) / (here * cos + beyond * cos_beyond);
+        let p = (beyond * cos - here * cos_beyond) / (beyond * cos + here * cos_beyond);
+        Self {
+            s: s * s,
+            p: p * p,
+            both: s * p,
+            cos_beyond,
+        }
+    }
+
+    /// Reflectance for light of a degree of polarisation.
+    fn reflectance(self, q: f64) -> f64 {
+        0.5 * (self.s + self.p) + 0.5 * (self.s - self.p) * q
+    }
+}
+
 /// Reflected or refracted, drawn by the mean of the bands. Where the index differs between bands, refracted light is of one
 /// band alone, drawn at random.
-pub(super) fn scatter<const N: usize>(
+pub fn scatter<const N: usize>(
     arrival: &Arrival<'_>,
     weight: &mut [f64; N],
-    absorbed: &mut [f64; N],
+    polarisation: &mut Polarisation<N>,
     draws: &mut Draws,
 ) -> Option<Departure> {
-    *absorbed = [0.0; N];
     let cos = arrival.cos();
     let ratio = |b: usize| arrival.here.index[b] / arrival.beyond.index[b];
-    let mut reflectance = [0.0; N];
-    let mut cos_beyond = [0.0; N];
+    let mut borders = [Border::new(arrival.here.index[0], arrival.beyond.index[0], cos); N];
+    for b in 1..N {
+        if ratio(b) != ratio(0) {
+            borders[b] = Border::new(arrival.here.index[b], arrival.beyond.index[b], cos);
+        }
+    }
+    polarisation.turn_to(arrival.direction, arrival.normal);
+    let reflectance: [f64; N] = std::array::from_fn(|b| borders[b].reflectance(polarisation.q(b)));
     let (mut sum, mut back) = (0.0, 0.0);
     for b in 0..N {
-        if b > 0 && ratio(b) == ratio(0) {
-            (reflectance[b], cos_beyond[b]) = (reflectance[0], cos_beyond[0]);
-        } else {
-            (reflectance[b], cos_beyond[b]) = fresnel(arrival.here.index[b], arrival.beyond.index[b], cos);
-        }
         sum += weight[b];
         back += weight[b] * reflectance[b];
     }
@@ -52,8 +95,9 @@ pub(super) fn scatter<const N: usize>(
     let u = draws.next();
     let share = back / sum;
     if u < share {
-        for b in 0..N {
+        for (b, border) in borders.iter().enumerate() {
             weight[b] *= reflectance[b] / share;
+            polarisation.pass(b, border.s, border.p, border.both);
         }
         return Some(Departure {
             direction: mirrored(arrival.direction, arrival.normal),
@@ -61,8 +105,10 @@ pub(super) fn scatter<const N: usize>(
             specular: true,
         });
     }
-    for b in 0..N {
+    for (b, border) in borders.iter().enumerate() {
         weight[b] *= (1.0 - reflectance[b]) / (1.0 - share);
+        let (s, p) = (1.0 - border.s, 1.0 - border.p);
+        polarisation.pass(b, s, p, (s * p).sqrt());
     }
     let first = (0..N).find(|&b| weight[b] > 0.0)?;
     let mut band = first;
@@ -74,7 +120,13 @@ pub(super) fn scatter<const N: usize>(
         weight[band] = total;
     }
     Some(Departure {
-        direction: refracted(arrival.direction, arrival.normal, ratio(band), cos, cos_beyond[band]),
+        direction: refracted(
+            arrival.direction,
+            arrival.normal,
+            ratio(band),
+            cos,
+            borders[band].cos_beyond,
+        ),
         passes: true,
         specular: true,
     })

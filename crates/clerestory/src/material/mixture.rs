@@ -1,7 +1,7 @@
 //! A sum of materials, each with its share.
 
 use super::choice::index;
-use super::{Arrival, Beam, Departure, Draws, Material, check};
+use super::{Arrival, Beam, Departure, Draws, Material, Polarisation, check};
 use crate::error::{Error, Result};
 use crate::geometry::Vec3;
 
@@ -50,7 +50,8 @@ impl Mixture {
         }
         let part = &self.parts[index(&self.shares, self.sum, draws)?];
         let mut stays = [0.0; N];
-        let departure = part.scatter(arrival, weight, &mut stays, draws);
+        let mut polarisation = Polarisation::NONE;
+        let departure = part.scatter(arrival, weight, &mut stays, &mut polarisation, draws);
         for (a, s) in absorbed.iter_mut().zip(&stays) {
             *a += s;
         }

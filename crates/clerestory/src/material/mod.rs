@@ -20,6 +20,7 @@ mod medium;
 mod microfacet;
 mod mixture;
 mod pane;
+mod polarisation;
 mod rough_interface;
 
 pub use draws::Draws;
@@ -31,6 +32,7 @@ pub use lobe::{Lobe, LobeValues};
 pub use measured::Measured;
 pub use medium::{Medium, henyey_greenstein};
 pub use mixture::Mixture;
+pub use polarisation::Polarisation;
 
 use crate::bsdf::{Bsdf, Slab};
 use crate::direction::Side;
@@ -54,7 +56,7 @@ pub enum Material {
         /// Share that returns.
         reflectance: Vec<f64>,
     },
-    /// Smooth border of two media: Fresnel's equations, unpolarised.
+    /// Smooth border of two media: Fresnel's equations.
     Interface,
     /// Radiance's plastic, metal or trans.
     Glossy(Box<Glossy>),
@@ -228,15 +230,19 @@ impl Material {
 /// What materials do.
 impl Material {
     /// One way on for light, drawn at random. `weight` is what the light carries; it is multiplied so that its mean is what
-    /// goes on, and `absorbed` is set to what stays, the same mean exactly known where there is a formula. None when
+    /// goes on, `polarisation` becomes what leaves, and `absorbed` is set to what stays, the same mean exactly known where there is a formula. None when
     /// nothing goes on.
     pub fn scatter<const N: usize>(
         &self,
         arrival: &Arrival<'_>,
         weight: &mut [f64; N],
         absorbed: &mut [f64; N],
+        polarisation: &mut Polarisation<N>,
         draws: &mut Draws,
     ) -> Option<Departure> {
+        if !matches!(self, Self::Interface) {
+            *polarisation = Polarisation::NONE;
+        }
         match self {
             Self::Black => {
                 *absorbed = *weight;
@@ -257,7 +263,10 @@ impl Material {
                     specular: true,
                 })
             }
-            Self::Interface => interface::scatter(arrival, weight, absorbed, draws),
+            Self::Interface => {
+                *absorbed = [0.0; N];
+                interface::scatter(arrival, weight, polarisation, draws)
+            }
             Self::Glossy(glossy) => glossy.scatter(arrival, weight, absorbed, draws),
             Self::Pane(slabs) => pane::scatter(slabs, arrival, weight, absorbed, draws),
             Self::RoughInterface(alpha) => rough_interface::scatter(*alpha, arrival, weight, absorbed, draws),

@@ -3,7 +3,7 @@
 
 use super::interface::{self, fresnel};
 use super::microfacet::{LEAST_COS, SMOOTH, density, facet, shadowing, shadowing_ratio};
-use super::{Arrival, Departure, Draws};
+use super::{Arrival, Departure, Draws, Polarisation};
 use crate::geometry::Vec3;
 
 /// Whether light sees no more than a smooth border, or none at all.
@@ -18,8 +18,11 @@ pub(super) fn scatter<const N: usize>(
     absorbed: &mut [f64; N],
     draws: &mut Draws,
 ) -> Option<Departure> {
+    *absorbed = [0.0; N];
+    // Facets turn polarisation this way and that.
+    let mut polarisation = Polarisation::NONE;
     if is_smooth::<N>(alpha, arrival) {
-        return interface::scatter(arrival, weight, absorbed, draws);
+        return interface::scatter(arrival, weight, &mut polarisation, draws);
     }
     let u = [draws.next(), draws.next()];
     let half = facet(alpha, -arrival.direction, arrival.normal, u);
@@ -28,7 +31,7 @@ pub(super) fn scatter<const N: usize>(
         normal: half,
         ..*arrival
     };
-    let departure = interface::scatter(&on_facet, weight, absorbed, draws)?;
+    let departure = interface::scatter(&on_facet, weight, &mut polarisation, draws)?;
     // … but the facet may be seen from there, or not.
     let cos_out = departure.direction.dot(arrival.normal) * if departure.passes { -1.0 } else { 1.0 };
     let shown = if cos_out > LEAST_COS {

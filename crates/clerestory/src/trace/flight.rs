@@ -4,7 +4,7 @@ use super::balance::{Balance, add};
 use super::sample::Sample;
 use crate::direction::{Disk, Scatter, Side};
 use crate::geometry::{Area, Meeting, NO_PIECE, Ray, Vec3};
-use crate::material::{Arrival, Draws};
+use crate::material::{Arrival, Draws, Polarisation};
 
 /// When a path ends that neither leaves nor is absorbed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,6 +34,7 @@ pub trait Collector<const N: usize> {
 /// A path under way.
 struct Path<const N: usize> {
     weight: [f64; N],
+    polarisation: Polarisation<N>,
     incident: Disk,
     draws: Draws,
     events: u32,
@@ -112,6 +113,7 @@ impl<'a, const N: usize> Flight<'a, N> {
         });
         self.paths.push(Path {
             weight: [1.0; N],
+            polarisation: Polarisation::NONE,
             incident: disk,
             draws,
             events: 0,
@@ -194,6 +196,7 @@ fn step<const N: usize>(
             ray.piece = NO_PIECE;
             ray.direction = medium.scatter(ray.direction, &mut path.weight, &mut path.draws);
             path.specular = false;
+            path.polarisation = Polarisation::NONE;
             return goes_on(limits, path, &before, &absorbed, balance);
         }
         for b in 0..N {
@@ -216,7 +219,13 @@ fn step<const N: usize>(
     let before = path.weight;
     let mut absorbed = [0.0; N];
     let material = &sample.materials[surface.materials[face] as usize];
-    let departure = material.scatter(&arrival, &mut path.weight, &mut absorbed, &mut path.draws);
+    let departure = material.scatter(
+        &arrival,
+        &mut path.weight,
+        &mut absorbed,
+        &mut path.polarisation,
+        &mut path.draws,
+    );
     add(&mut balance.absorbed, &absorbed);
     let Some(departure) = departure else {
         for b in 0..N {
