@@ -44,7 +44,10 @@ impl Matrix {
                 outgoing.len()
             )));
         }
-        if let Some(k) = values.iter().position(|v| !v.is_finite()) {
+        // Without an early end the check is fast.
+        if !values.iter().fold(true, |all, v| all & v.is_finite())
+            && let Some(k) = values.iter().position(|v| !v.is_finite())
+        {
             return Err(Error::Argument(format!(
                 "value {} for incident patch {} and outgoing patch {} is not a finite number",
                 values[k],

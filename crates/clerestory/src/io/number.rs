@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 
 /// Numbers of a text, separated by blanks, tabs, line ends and a single comma.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub struct Numbers<'a> {
     text: &'a [u8],
     at: usize,
@@ -14,6 +14,15 @@ const POWERS: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
     1e21, 1e22,
 ];
+
+/// 10⁰ to 10⁸.
+const TENS: [u64; 9] = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000];
+
+/// One in each of eight bytes.
+const EACH: u64 = 0x0101_0101_0101_0101;
+
+/// Eight blanks.
+const BLANKS: u64 = EACH * b' ' as u64;
 
 impl<'a> Numbers<'a> {
     /// Numbers of `text`.
@@ -27,23 +36,34 @@ impl<'a> Numbers<'a> {
     }
 
     /// Moves on over blanks and one comma; the character that follows, if there is one.
+    #[inline]
     pub fn peek(&mut self) -> Option<u8> {
         let mut comma = false;
         while let Some(&c) = self.text.get(self.at) {
-            match c {
-                b'\n' => {
-                    // Indented files are half blanks: eight at a time.
-                    while self.text.get(self.at + 1..self.at + 9) == Some(&[b' '; 8]) {
-                        self.at += 8;
-                    }
-                }
-                b' ' | b'\t' | b'\r' => {}
-                b',' if !comma => comma = true,
-                _ => return Some(c),
-            }
             self.at += 1;
+            match c {
+                b' ' | b'\t' | b'\r' => {}
+                b'\n' => self.indentation(),
+                b',' if !comma => comma = true,
+                _ => {
+                    self.at -= 1;
+                    return Some(c);
+                }
+            }
         }
         None
+    }
+
+    /// Moves on over blanks, eight at a time: indented files are half blanks.
+    #[inline]
+    fn indentation(&mut self) {
+        while self.text.get(self.at) == Some(&b' ') {
+            let others = eight(self.text, self.at) ^ BLANKS;
+            self.at += others.trailing_zeros() as usize / 8;
+            if others != 0 {
+                return;
+            }
+        }
     }
 
     /// Takes one character that [`Numbers::peek`] has shown.
@@ -51,95 +71,203 @@ impl<'a> Numbers<'a> {
         self.at += 1;
     }
 
-    /// The next number, or `None` at the end. The error says what stands there instead; its place is the offset in bytes.
-    pub fn next_number(&mut self) -> Option<Result<f64>> {
-        self.peek()?;
-        // Sign, digits, point, digits, exponent. With no more than 15 digits and a small power of ten both are exact, and
-        // so is their product or quotient (Clinger 1990).
-        let start = self.at;
-        let text = &self.text[start..];
-        let mut k = usize::from(matches!(text[0], b'-' | b'+'));
-        let mut mantissa = 0_u64;
-        let before = digits(text, &mut k, &mut mantissa);
-        let after = if text.get(k) == Some(&b'.') {
-            k += 1;
-            digits(text, &mut k, &mut mantissa)
-        } else {
-            0
+    /// The number that begins with the character that [`Numbers::peek`] has shown. The error says what stands there
+    /// instead; its place is the offset in bytes.
+    #[allow(clippy::inline_always, reason = "the loop about it is faster by a third")]
+    #[inline(always)]
+    pub fn number(&mut self, first: u8) -> Result<f64> {
+        // The position is kept out of the other functions' reach, so that it stays in a register.
+        let (value, end) = match usual(self.text, self.at, first) {
+            Some(found) => found,
+            None => any(self.text, self.at)?,
         };
-        let mut exponent = -(after as i64);
-        let exact = (1..=15).contains(&(before + after)) && exponential(text, &mut k, &mut exponent);
-        let power = exponent.unsigned_abs() as usize;
-        if !exact || power >= POWERS.len() || text.get(k).is_some_and(|&c| !ends_word(c)) {
-            return Some(self.slow(start));
-        }
-        self.at = start + k;
-        let size = mantissa as f64;
-        let value = if exponent < 0 {
-            size / POWERS[power]
-        } else {
-            size * POWERS[power]
-        };
-        Some(Ok(if text[0] == b'-' { -value } else { value }))
+        self.at = end;
+        Ok(value)
     }
 
-    fn slow(&mut self, start: usize) -> Result<f64> {
-        let text = &self.text[start..];
-        let end = text.iter().position(|&c| ends_word(c)).unwrap_or(text.len());
-        let word = String::from_utf8_lossy(&text[..end.min(40)]);
-        match std::str::from_utf8(&text[..end])
-            .ok()
-            .and_then(|w| w.parse::<f64>().ok())
-        {
-            Some(value) if value.is_finite() => {
-                self.at = start + end;
-                Ok(value)
+    /// Appends all numbers to `values`.
+    pub fn append_to(mut self, values: &mut Vec<f64>) -> Result<()> {
+        while let Some(first) = self.peek() {
+            values.push(self.number(first)?);
+        }
+        Ok(())
+    }
+}
+
+/// The number at `at` and where it ends, if it is written as most are: one digit, a point, up to seven more digits,
+/// perhaps a signed exponent of two digits; and something behind it. None for all others.
+///
+/// What is alike in most numbers of a file is asked for in branches, which a processor foresees, so that it need not wait
+/// for the end of one number to begin the next.
+#[allow(clippy::inline_always, reason = "the loop about it is faster by a third")]
+#[inline(always)]
+fn usual(text: &[u8], at: usize, first: u8) -> Option<(f64, usize)> {
+    let at = at + usize::from(first == b'-');
+    let chunk: &[u8; 16] = text.get(at..)?.first_chunk()?;
+    let digit = chunk[0].wrapping_sub(b'0');
+    if digit > 9 || chunk[1] != b'.' {
+        return None;
+    }
+    let word = u64::from_le_bytes(*chunk[2..].first_chunk()?);
+    let count = leading_digits(word);
+    if count == 8 {
+        return None;
+    }
+    let mantissa = u64::from(digit) * TENS[count] + joined(word, count);
+    let rest: &[u8; 5] = chunk[2 + count..].first_chunk()?;
+    let (exponent, length) = match *rest {
+        [b'e', sign, tens, ones, end] => {
+            let (tens, ones) = (tens.wrapping_sub(b'0'), ones.wrapping_sub(b'0'));
+            if tens > 9 || ones > 9 || !matches!(sign, b'-' | b'+') || !ends_word(end) {
+                return None;
             }
-            _ => Err(Error::format(
-                start.to_string(),
+            let size = i32::from(tens) * 10 + i32::from(ones);
+            (if sign == b'-' { -size } else { size }, 6 + count)
+        }
+        [end, ..] if ends_word(end) => (0, 2 + count),
+        _ => return None,
+    };
+    let value = scaled(mantissa, exponent - count as i32)?;
+    Some((if first == b'-' { -value } else { value }, at + length))
+}
+
+/// Any number at `at`, and where it ends.
+#[inline(never)]
+fn any(text: &[u8], at: usize) -> Result<(f64, usize)> {
+    if let Some(found) = exact(text, at) {
+        return Ok(found);
+    }
+    let rest = &text[at..];
+    let length = rest.iter().position(|&c| ends_word(c)).unwrap_or(rest.len());
+    let word = &rest[..length];
+    match std::str::from_utf8(word).ok().and_then(|w| w.parse::<f64>().ok()) {
+        Some(value) if value.is_finite() => Ok((value, at + length)),
+        _ => {
+            let word = String::from_utf8_lossy(&word[..length.min(40)]);
+            Err(Error::format(
+                at.to_string(),
                 format!("{word:?} is not a finite number"),
                 "numbers are written like 0.0123 or 1.23e-2, separated by blanks or commas",
-            )),
+            ))
         }
     }
 }
 
+/// A number in any writing, and where it ends, if a double holds its digits and its power of ten exactly.
+fn exact(text: &[u8], mut at: usize) -> Option<(f64, usize)> {
+    let first = text[at];
+    at += usize::from(matches!(first, b'-' | b'+'));
+    let (mut mantissa, mut count) = digits(text, at, 0);
+    at += count;
+    let mut exponent = 0;
+    if text.get(at) == Some(&b'.') {
+        let (all, after) = digits(text, at + 1, mantissa);
+        mantissa = all;
+        count += after;
+        at += 1 + after;
+        exponent = -(after as i32);
+    }
+    // More digits might have overflowed.
+    if !(1..=19).contains(&count) {
+        return None;
+    }
+    exponent += exponential(text, &mut at)?;
+    if text.get(at).is_some_and(|&c| !ends_word(c)) {
+        return None;
+    }
+    let value = scaled(mantissa, exponent)?;
+    Some((if first == b'-' { -value } else { value }, at))
+}
+
+/// `mantissa` times a power of ten, if a double holds both exactly, so that the result is the nearest double (Clinger
+/// 1990).
+#[inline]
+fn scaled(mantissa: u64, exponent: i32) -> Option<f64> {
+    let power = POWERS.get(exponent.unsigned_abs() as usize)?;
+    if mantissa > 1 << f64::MANTISSA_DIGITS {
+        return None;
+    }
+    let size = mantissa as f64;
+    Some(if exponent < 0 { size / power } else { size * power })
+}
+
+/// The exponent that stands at `at`, moving behind it; 0 without one, `None` if it is ill formed or huge.
+fn exponential(text: &[u8], at: &mut usize) -> Option<i32> {
+    if !matches!(text.get(*at), Some(b'e' | b'E')) {
+        return Some(0);
+    }
+    *at += 1;
+    let sign = text.get(*at).copied().filter(|c| matches!(c, b'-' | b'+'));
+    *at += usize::from(sign.is_some());
+    let (size, count) = digits(text, *at, 0);
+    *at += count;
+    let size = if (1..=3).contains(&count) {
+        size as i32
+    } else {
+        return None;
+    };
+    Some(if sign == Some(b'-') { -size } else { size })
+}
+
 /// Whether a number cannot go on with this character.
+#[inline]
 fn ends_word(c: u8) -> bool {
     matches!(c, b' ' | b'\t' | b'\r' | b'\n' | b',' | b'{' | b'}' | b'<')
 }
 
-/// Appends the digits that stand at `k` to `mantissa`; how many there are.
-fn digits(text: &[u8], k: &mut usize, mantissa: &mut u64) -> usize {
-    let first = *k;
-    while let Some(&c) = text.get(*k) {
-        let digit = c.wrapping_sub(b'0');
-        if digit > 9 {
-            break;
-        }
-        *mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
-        *k += 1;
+/// Eight bytes that stand at `at`, the first in the lowest bits; zeros behind the end of the text.
+#[inline]
+fn eight(text: &[u8], at: usize) -> u64 {
+    match text.get(at..).and_then(<[u8]>::first_chunk) {
+        Some(bytes) => u64::from_le_bytes(*bytes),
+        None => last(text, at),
     }
-    *k - first
 }
 
-/// Adds the exponent that stands at `k`, if one does; whether it is well formed and not huge.
-fn exponential(text: &[u8], k: &mut usize, exponent: &mut i64) -> bool {
-    if !matches!(text.get(*k), Some(b'e' | b'E')) {
-        return true;
-    }
-    *k += 1;
-    let negative = match text.get(*k) {
-        Some(sign @ (b'-' | b'+')) => {
-            *k += 1;
-            *sign == b'-'
+#[cold]
+fn last(text: &[u8], at: usize) -> u64 {
+    let mut bytes = [0; 8];
+    let rest = text.get(at..).unwrap_or_default();
+    bytes[..rest.len()].copy_from_slice(rest);
+    u64::from_le_bytes(bytes)
+}
+
+/// Appends the digits that stand at `at` to `mantissa`; with how many there are. More than 19 may overflow.
+fn digits(text: &[u8], mut at: usize, mut mantissa: u64) -> (u64, usize) {
+    let first = at;
+    loop {
+        let word = eight(text, at);
+        let count = leading_digits(word);
+        if count < 8 {
+            let mantissa = mantissa.wrapping_mul(TENS[count]).wrapping_add(joined(word, count));
+            return (mantissa, at - first + count);
         }
-        _ => false,
-    };
-    let mut size = 0;
-    let count = digits(text, k, &mut size);
-    *exponent += if negative { -(size as i64) } else { size as i64 };
-    (1..=3).contains(&count)
+        mantissa = mantissa.wrapping_mul(TENS[8]).wrapping_add(joined(word, 8));
+        at += 8;
+    }
+}
+
+/// How many of eight bytes are digits before the first that is none.
+#[inline]
+fn leading_digits(word: u64) -> usize {
+    // Digits become 0 to 9. The highest bit of a byte then tells whether it is more; a carry spoils only bytes behind
+    // one that is.
+    let word = word ^ (EACH * u64::from(b'0'));
+    let others = (word | word.wrapping_add(EACH * (0x80 - 10))) & (EACH * 0x80);
+    others.trailing_zeros() as usize / 8
+}
+
+/// The number that the first `count` of eight bytes make: by pairs, then pairs of these, then all.
+#[inline]
+fn joined(word: u64, count: usize) -> u64 {
+    // Zeros come in front.
+    let digits = (word ^ (EACH * u64::from(b'0')))
+        .checked_shl(64 - 8 * count as u32)
+        .unwrap_or(0);
+    let pairs = digits.wrapping_mul(10).wrapping_add(digits >> 8);
+    let first = (pairs & 0x0000_00ff_0000_00ff).wrapping_mul(100 + (1_000_000 << 32));
+    let second = (pairs >> 16 & 0x0000_00ff_0000_00ff).wrapping_mul(1 + (10_000 << 32));
+    first.wrapping_add(second) >> 32
 }
 
 #[cfg(test)]
@@ -147,11 +275,9 @@ mod tests {
     use super::*;
 
     fn all(text: &str) -> Result<Vec<f64>> {
-        let mut numbers = Numbers::new(text.as_bytes());
+        let numbers = Numbers::new(text.as_bytes());
         let mut values = Vec::new();
-        while let Some(value) = numbers.next_number() {
-            values.push(value?);
-        }
+        numbers.append_to(&mut values)?;
         Ok(values)
     }
 

@@ -158,33 +158,31 @@ impl Parser<'_> {
 
     /// Reads numbers up to the closing brace; the entry of the grid that they are.
     fn leaf(&mut self) -> Result<u32> {
+        // A copy: the position of one that is not borrowed stays in a register.
+        let mut numbers = self.numbers;
         self.grid.clear();
-        while let Some(c) = self.numbers.peek() {
+        let mut single = None;
+        while let Some(c) = numbers.peek() {
             if c == b'}' {
-                self.numbers.skip();
-                return self.store_grid();
+                numbers.skip();
+                self.numbers = numbers;
+                return match single {
+                    Some(value) => {
+                        self.depth = self.depth.max(self.open.len() as u32);
+                        Ok(f32::to_bits(value))
+                    }
+                    None => self.store_grid(),
+                };
             }
-            if c == b'{' {
-                return Err(self.error(
-                    "a node of the tensor tree holds both numbers and branches",
-                    "a node holds either nodes in braces or numbers",
-                ));
-            }
-            if c == b',' {
-                return Err(self.error(
-                    "two commas follow each other in the tensor tree",
-                    "a value is missing, or write one comma",
-                ));
-            }
-            let at = self.numbers.position();
-            let Some(value) = self.numbers.next_number() else { break };
-            let mut value = value?;
-            if value < 0.0 {
-                self.clamped.negatives += 1;
-                self.clamped.least = self.clamped.least.min(value);
-                value = 0.0;
-            }
-            let short = value as f32;
+            let at = numbers.position();
+            let value = match numbers.number(c) {
+                Ok(value) => value,
+                Err(e) => {
+                    self.numbers = numbers;
+                    return Err(self.no_number(c).unwrap_or(e));
+                }
+            };
+            let short = if value < 0.0 { self.clamp(value) } else { value as f32 };
             if short.is_infinite() {
                 return Err(Error::format(
                     at.to_string(),
@@ -193,9 +191,34 @@ impl Parser<'_> {
                 ));
             }
             // + 0.0 clears the sign of -0.
-            self.grid.push(short + 0.0);
+            let short = short + 0.0;
+            single = if self.grid.is_empty() { Some(short) } else { None };
+            self.grid.push(short);
         }
+        self.numbers = numbers;
         Err(self.cut_short())
+    }
+
+    /// What stands where a number should, if it has an error of its own.
+    fn no_number(&self, c: u8) -> Option<Error> {
+        match c {
+            b'{' => Some(self.error(
+                "a node of the tensor tree holds both numbers and branches",
+                "a node holds either nodes in braces or numbers",
+            )),
+            b',' => Some(self.error(
+                "two commas follow each other in the tensor tree",
+                "a value is missing, or write one comma",
+            )),
+            _ => None,
+        }
+    }
+
+    #[cold]
+    fn clamp(&mut self, value: f64) -> f32 {
+        self.clamped.negatives += 1;
+        self.clamped.least = self.clamped.least.min(value);
+        0.0
     }
 
     fn store_grid(&mut self) -> Result<u32> {
@@ -225,6 +248,12 @@ impl Parser<'_> {
             return self.grid[origin].to_bits();
         }
         let (first, size) = (self.entries.len(), self.rank.children());
+        if level == 1 {
+            let (rank, grid) = (self.rank, &self.grid);
+            let values = (0..size).map(|child| grid[origin + offset(rank, child, 0, levels)].to_bits());
+            self.entries.extend(values);
+            return BRANCH | (first / size) as u32;
+        }
         self.entries.resize(first + size, 0);
         for child in 0..size {
             let cell = origin + offset(self.rank, child, level - 1, levels);

@@ -85,9 +85,12 @@ impl Block<'_> {
                     }
                 })?;
                 let (mut count, mut least) = (0, 0.0_f64);
-                for &value in &flat {
-                    count += usize::from(value < 0.0);
-                    least = least.min(value);
+                // Without an early end this is fast, and few files hold negative values.
+                if flat.iter().fold(false, |any, v| any | (*v < 0.0)) {
+                    for &value in &flat {
+                        count += usize::from(value < 0.0);
+                        least = least.min(value);
+                    }
                 }
                 let values = if *by_incident {
                     flat
@@ -112,16 +115,13 @@ impl Block<'_> {
         }
         // Six characters a number is what short files have; a longer guess would cost memory for nothing.
         let mut flat = Vec::with_capacity(self.text.len() / 6);
-        let mut numbers = Numbers::new(self.text);
-        while let Some(number) = numbers.next_number() {
-            flat.push(number.map_err(|e| {
-                if has_decimal_commas(self.text) {
-                    self.decimal_commas(bytes)
-                } else {
-                    self.moved(bytes, e)
-                }
-            })?);
-        }
+        Numbers::new(self.text).append_to(&mut flat).map_err(|e| {
+            if has_decimal_commas(self.text) {
+                self.decimal_commas(bytes)
+            } else {
+                self.moved(bytes, e)
+            }
+        })?;
         Ok(flat)
     }
 
@@ -140,9 +140,11 @@ fn negatives(count: usize, least: f64) -> Option<String> {
 
 /// Rows become columns.
 pub(super) fn transposed(flat: &[f64], rows: usize, columns: usize) -> Vec<f64> {
-    (0..columns)
-        .flat_map(|c| (0..rows).map(move |r| flat[r * columns + c]))
-        .collect()
+    let mut values = Vec::with_capacity(rows * columns);
+    for c in 0..columns {
+        values.extend(flat[c..].iter().step_by(columns));
+    }
+    values
 }
 
 /// Whether the text looks like `0,5 0,25`: words of digits with one comma within, and no point anywhere.
