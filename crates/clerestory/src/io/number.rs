@@ -40,15 +40,18 @@ impl<'a> Numbers<'a> {
     pub fn peek(&mut self) -> Option<u8> {
         let mut comma = false;
         while let Some(&c) = self.text.get(self.at) {
-            self.at += 1;
+            // All separators are below or at the comma: most characters need no other question.
+            if c > b',' {
+                return Some(c);
+            }
             match c {
-                b' ' | b'\t' | b'\r' => {}
-                b'\n' => self.indentation(),
+                b' ' | b'\t' | b'\r' | b'\n' => {}
                 b',' if !comma => comma = true,
-                _ => {
-                    self.at -= 1;
-                    return Some(c);
-                }
+                _ => return Some(c),
+            }
+            self.at += 1;
+            if c == b'\n' {
+                self.indentation();
             }
         }
         None
@@ -289,7 +292,7 @@ mod tests {
 
     #[test]
     fn digits_agree_with_the_standard_parser() {
-        for k in 0..20_000_u64 {
+        for k in 0..4000_u64 {
             let x = crate::sequence::uniform(1, k) * 10_f64.powi((k % 30) as i32 - 15);
             for text in [
                 format!("{x:.6}"),
@@ -297,11 +300,52 @@ mod tests {
                 format!("{x:.6e}"),
                 format!("{x:.3E}"),
                 format!("{x:.15}"),
+                format!("{x:.9}"),
+                format!("{x:.18e}"),
                 format!("{x}"),
+                format!("-{x:.5e}").replace("e", "e+0").replace("+0-", "-0"),
             ] {
-                assert_eq!(all(&text).unwrap(), [text.parse::<f64>().unwrap()], "{text}");
+                let value: f64 = text.parse().unwrap();
+                assert_eq!(all(&text).unwrap(), [value], "{text}");
+                // With more text behind it another way is taken.
+                for behind in [" ", "\n\t", ", ", "}"] {
+                    let text = format!("{text}{behind}0.25 1.5e-01 123456789012345678 ");
+                    let expected = [value, 0.25, 0.15, 123_456_789_012_345_678.0];
+                    if behind != "}" {
+                        assert_eq!(all(&text).unwrap(), expected, "{text}");
+                    }
+                    let mut numbers = Numbers::new(text.as_bytes());
+                    let first = numbers.peek().unwrap();
+                    assert_eq!(numbers.number(first).unwrap(), value, "{text}");
+                    assert_eq!(&text[numbers.position()..][..behind.len()], behind);
+                }
             }
         }
+    }
+
+    #[test]
+    fn odd_writings_are_read_with_and_without_text_behind() {
+        for (text, value) in [
+            ("+1.5", 1.5),
+            (".5", 0.5),
+            ("5.", 5.0),
+            ("1.e5", 1e5),
+            ("1.25E-3", 1.25e-3),
+            ("1.25e3", 1250.0),
+            ("1.25e+003", 1250.0),
+            ("-0.0", 0.0),
+            ("0.00000000000000000000000001", 1e-26),
+            ("9007199254740993", 9_007_199_254_740_992.0),
+            ("9007199254740993.5", 9_007_199_254_740_994.0),
+            ("1.7976931348623157e308", f64::MAX),
+            ("4.9406564584124654e-324", 5e-324),
+        ] {
+            assert_eq!(all(text).unwrap(), [value], "{text}");
+            let long = format!("\n        {text}\n                 {text},{text}                 ");
+            assert_eq!(all(&long).unwrap(), [value; 3], "{text}");
+        }
+        assert!(all("-0.000").unwrap()[0].is_sign_negative());
+        assert!(all("-0.000              ").unwrap()[0].is_sign_negative());
     }
 
     #[test]
@@ -318,9 +362,14 @@ mod tests {
             ".",
             "-",
             "1e",
+            "1.5x",
+            "1.5e-0x",
+            "1.5e-01x",
+            "1.5\u{0}",
             "1 \u{0} 2",
         ] {
             assert!(all(text).is_err(), "{text:?}");
+            assert!(all(&format!("{text} 0.125 0.125 0.125")).is_err(), "{text:?}");
         }
     }
 }

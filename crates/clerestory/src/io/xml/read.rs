@@ -1,9 +1,8 @@
 //! From a file's bytes to a data set.
 
 use std::collections::HashSet;
-use std::sync::Arc;
-
-use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use super::basis::Bases;
 use super::blocks::{Block, Parsed, Shape};
@@ -76,11 +75,42 @@ pub fn read(bytes: &[u8], hints: &Hints) -> Result<Bsdf> {
         ..
     } = reader;
     let basis = hints.basis.as_ref();
-    let parsed: Vec<Result<Parsed>> = blocks.par_iter().map(|b| b.parse(&bytes, basis)).collect();
+    let parsed = parse(&blocks, &bytes, basis);
     let bands = fill(bands, &blocks, parsed, &mut faults)?;
     let mut bsdf = Bsdf::new(bands, metadata)?;
     bsdf.warnings = faults.finish();
     Ok(bsdf)
+}
+
+/// Text (bytes) for which it is worth waking other threads.
+const WORTH_HELP: usize = 64 << 10;
+
+/// Parses all blocks. The calling thread begins at once; others take blocks when they have woken up.
+fn parse(blocks: &[Block<'_>], bytes: &[u8], basis: Option<&Arc<Basis>>) -> Vec<Result<Parsed>> {
+    let slots: Vec<OnceLock<Result<Parsed>>> = blocks.iter().map(|_| OnceLock::new()).collect();
+    let next = AtomicUsize::new(0);
+    let work = || {
+        while let Some((block, slot)) = {
+            let k = next.fetch_add(1, Ordering::Relaxed);
+            blocks.get(k).zip(slots.get(k))
+        } {
+            slot.get_or_init(|| block.parse(bytes, basis));
+        }
+    };
+    let length: usize = blocks.iter().map(|b| b.text.len()).sum();
+    let helpers = if length < WORTH_HELP {
+        0
+    } else {
+        rayon::current_num_threads().min(blocks.len()) - 1
+    };
+    rayon::in_place_scope(|scope| {
+        for _ in 0..helpers {
+            scope.spawn(|_| work());
+        }
+        work();
+    });
+    let parsed = slots.into_iter().map(|s| s.into_inner().expect("each block was taken"));
+    parsed.collect()
 }
 
 /// Puts the models into their bands.
