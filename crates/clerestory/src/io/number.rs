@@ -303,7 +303,7 @@ mod tests {
                 format!("{x:.9}"),
                 format!("{x:.18e}"),
                 format!("{x}"),
-                format!("-{x:.5e}").replace("e", "e+0").replace("+0-", "-0"),
+                format!("-{x:.5e}").replace('e', "e+0").replace("+0-", "-0"),
             ] {
                 let value: f64 = text.parse().unwrap();
                 assert_eq!(all(&text).unwrap(), [value], "{text}");

@@ -84,14 +84,12 @@ impl Block<'_> {
                         Error::format(place(bytes, self.at, ELEMENT), misfit.what, misfit.remedy)
                     }
                 })?;
-                let (mut count, mut least) = (0, 0.0_f64);
-                // Without an early end this is fast, and few files hold negative values.
-                if flat.iter().fold(false, |any, v| any | (*v < 0.0)) {
-                    for &value in &flat {
-                        count += usize::from(value < 0.0);
-                        least = least.min(value);
-                    }
-                }
+                let count = flat.iter().filter(|v| **v < 0.0).count();
+                let least = if count > 0 {
+                    flat.iter().copied().fold(0.0, f64::min)
+                } else {
+                    0.0
+                };
                 let values = if *by_incident {
                     flat
                 } else {
