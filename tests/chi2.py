@@ -185,9 +185,6 @@ def compare(
             expected.append(expected_share(density, bins, cells, count) * count)
         # One bin a peak, whose share of the samples is its share of the light.
         shares = np.array(list(peaks.values()))
-        if case.rough and len(shares):
-            # Its share is what the density leaves over.
-            shares *= (1 - sum(e.sum() for e in expected) / count) / shares.sum()
         tables = np.concatenate([*observed, near]).astype(float), np.concatenate([*expected, shares * count])
         outcomes.append(
             Outcome(0.0, f"{impossible} samples where the density is zero", *tables) if impossible else chi2(*tables)

@@ -97,6 +97,49 @@ class Square:
 
 
 @dataclass(frozen=True)
+class Sectors:
+    """Rings of equal width, all of them cut at the same azimuths [rad], which ascend from 0."""
+
+    rings: int
+    cuts: tuple[float, ...]
+
+    @classmethod
+    def backwards(cls, n: int, r: float) -> Sectors:
+        """What a tree of rank 3 and n cells an axis sees backwards, for light at r on the disk travelling toward +x.
+
+        The circle of radius r is the outline of a square whose side the tree's cells cut, and equal azimuths on it are
+        equal lengths.
+        """
+        half = r * n / 2
+        if half < 1e-9:
+            return cls(n // 2, tuple(np.pi / 4 * np.arange(8)))
+        whole = np.arange(math.floor(half) + 1)
+        side = np.concatenate([whole, 2 * half - whole])
+        cuts = np.unique(np.round(np.concatenate([2 * half * q + side for q in range(4)]), 9))
+        return cls(n // 2, tuple(np.pi / 4 * cuts[cuts < 8 * half - 1e-8] / half))
+
+    @property
+    def areas(self) -> np.ndarray:
+        annuli = np.diff(np.linspace(0, 1, self.rings + 1) ** 2) / 2
+        return np.outer(annuli, np.diff([*self.cuts, 2 * np.pi])).ravel()
+
+    def points(self, u: np.ndarray, cells: np.ndarray | None = None) -> np.ndarray:
+        ring, within = np.divmod(
+            np.arange(self.rings * len(self.cuts)) if cells is None else np.asarray(cells), len(self.cuts)
+        )
+        cuts = np.array([*self.cuts, 2 * np.pi])
+        low, high = (ring[:, None] / self.rings) ** 2, ((ring[:, None] + 1) / self.rings) ** 2
+        r = np.sqrt(low + (high - low) * u[:, 0])
+        phi = cuts[within, None] + np.diff(cuts)[within, None] * u[:, 1]
+        return np.stack([r * np.cos(phi), r * np.sin(phi)], axis=-1)
+
+    def index(self, points: np.ndarray) -> np.ndarray:
+        ring = np.minimum((np.hypot(points[..., 0], points[..., 1]) * self.rings).astype(int), self.rings - 1)
+        phi = np.arctan2(points[..., 1], points[..., 0]) % (2 * np.pi)
+        return ring * len(self.cuts) + np.searchsorted(self.cuts, phi, side="right") - 1
+
+
+@dataclass(frozen=True)
 class Turned:
     """Another partition, mirrored left to right if asked for, then turned counter-clockwise."""
 

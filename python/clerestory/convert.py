@@ -37,9 +37,8 @@ class ConversionReport:
     rms_error: float | None
     """RMS error of the values over their mean, weighted by projected solid angle. For a matrix it is the estimated
     sampling error; for a tree the difference to the source at pseudo-random directions, None for one with beams."""
-    worst_direct_hemispherical: float | None
-    """Largest difference between a direct-hemispherical value and the source's mean over the same directions; None
-    where the source has only an estimate of its own."""
+    worst_direct_hemispherical: float
+    """Largest difference between a direct-hemispherical value and the source's mean over the same directions."""
 
 
 class Operations:

@@ -80,27 +80,19 @@ def where_light_goes(
 
     Notes
     -----
-    Shares are those of 4,096 low-discrepancy samples of the model, good to about one per cent. A model that answers by
-    reciprocity without a table of its own, such as an isotropic tensor tree, is sampled as its mean over Klems full
-    patches.
+    Shares are those of 4,096 low-discrepancy samples of the model, good to about one per cent.
     """
     name = band_name(bsdf, band)
     flows = []
     for side in sides:
         for scatter in scatters:
             try:
-                model, by_reciprocity = bsdf.model(side, scatter, name)
+                _, by_reciprocity = bsdf.model(side, scatter, name)
             except MissingDataError:
                 continue
             if by_reciprocity and (side, scatter) == ("interior", "transmission"):
                 continue  # it would only say again what the exterior's data say
-            sampled = bsdf
-            if model.kind == "reversed":
-                # Such a model is sampled by trial and error; its mean over patches has a table.
-                sampled = bsdf.to_matrix("klems-full", samples=64, bands=[name])
-            flows += [
-                _flow(bsdf, sampled, name, side, scatter, float(e), reciprocal=by_reciprocity) for e in elevations_deg
-            ]
+            flows += [_flow(bsdf, name, side, scatter, float(e), reciprocal=by_reciprocity) for e in elevations_deg]
     return flows
 
 
@@ -136,7 +128,6 @@ def common_band(sets: Mapping[str, Bsdf], band: str | None = None) -> str:
 
 def _flow(
     bsdf: Bsdf,
-    sampled: Bsdf,
     band: str,
     side: Side,
     scatter: Scatter,
@@ -145,7 +136,7 @@ def _flow(
     reciprocal: bool,
 ) -> Flow:
     incident = direction(abs(elevation_deg), 90.0 if elevation_deg >= 0.0 else 270.0, side=side)
-    samples = sampled.sample(np.broadcast_to(incident, (_SAMPLES, 3)), _numbers(), band, scatter=scatter)
+    samples = bsdf.sample(np.broadcast_to(incident, (_SAMPLES, 3)), _numbers(), band, scatter=scatter)
     weights = samples.weights
     total = float(bsdf.integrate(incident, scatter, band=band))
     power = float(weights.sum())

@@ -16,15 +16,7 @@ use crate::jobs::watched;
 use crate::model::PyModel;
 
 /// Band, side, scatter, kind of the source, samples, RMS error, worst direct-hemispherical difference.
-type ReportRow = (
-    String,
-    &'static str,
-    &'static str,
-    &'static str,
-    u32,
-    Option<f64>,
-    Option<f64>,
-);
+type ReportRow = (String, &'static str, &'static str, &'static str, u32, Option<f64>, f64);
 
 fn rows(reports: Vec<Report>) -> Vec<ReportRow> {
     reports

@@ -313,7 +313,6 @@ def _report(reports: list[ConversionReport]) -> str:
     rows = []
     for r in reports:
         exact = r.samples == 0
-        worst = r.worst_direct_hemispherical
         rows.append(
             [
                 r.band,
@@ -321,7 +320,7 @@ def _report(reports: list[ConversionReport]) -> str:
                 r.scatter,
                 f"from {r.source}",
                 "exact" if exact else "unknown" if r.rms_error is None else percent(r.rms_error),
-                "" if exact else "unknown" if worst is None else f"{worst:.2g}",
+                "" if exact else f"{r.worst_direct_hemispherical:.2g}",
             ]
         )
     headers = ["band", "side", "scatter", "", "sampling error (RMS)", "worst direct-hemispherical difference"]

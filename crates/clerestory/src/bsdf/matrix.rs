@@ -276,6 +276,14 @@ impl Scatterer for Matrix {
     }
 }
 
+/// Upper limit of the distance between a point and others of its patch.
+pub(super) fn patch_extent(basis: &Basis, point: Disk) -> f64 {
+    let (theta, phi) = basis.limits(basis.patch_of(point));
+    let [inner, outer] = theta.map(f64::sin);
+    // Across a ring and along its outer limit; never more than across the whole ring.
+    (outer - inner + outer * (phi[1] - phi[0])).min(2.0 * outer)
+}
+
 impl Tabular for Matrix {
     fn cell(&self, incident: Disk, outgoing: Disk) -> Cell {
         let (i, o) = (self.incident.patch_of(incident), self.outgoing.patch_of(outgoing));
@@ -286,6 +294,7 @@ impl Tabular for Matrix {
                 .incident
                 .projected_solid_angle(i)
                 .min(self.outgoing.projected_solid_angle(o)),
+            outgoing_area: self.outgoing.projected_solid_angle(o),
         }
     }
 
@@ -294,19 +303,18 @@ impl Tabular for Matrix {
         let area = self.incident.projected_solid_angle(i);
         for (cell, &point) in cells.iter_mut().zip(outgoing) {
             let o = self.outgoing.patch_of(point);
+            let outgoing_area = self.outgoing.projected_solid_angle(o);
             *cell = Cell {
                 id: (i * self.outgoing.len() + o) as u64,
                 value: self.value(i, o),
-                area: area.min(self.outgoing.projected_solid_angle(o)),
+                area: area.min(outgoing_area),
+                outgoing_area,
             };
         }
     }
 
-    fn extent(&self, outgoing: Disk) -> f64 {
-        let (theta, phi) = self.outgoing.limits(self.outgoing.patch_of(outgoing));
-        let [inner, outer] = theta.map(f64::sin);
-        // Across a ring and along its outer limit; never more than across the whole ring.
-        (outer - inner + outer * (phi[1] - phi[0])).min(2.0 * outer)
+    fn extent(&self, _: Disk, outgoing: Disk) -> f64 {
+        patch_extent(&self.outgoing, outgoing)
     }
 
     fn smallest_area(&self) -> f64 {

@@ -137,9 +137,7 @@ impl Model {
                 Some(self.clone())
             }
             Self::Turned(t) => Some(t.base().turned(turn.after(t.turn()))),
-            Self::Sum(s) => Sum::new(s.parts().iter().map(|(w, m)| (*w, Arc::new(m.turned(turn)))).collect())
-                .ok()
-                .map(Self::Sum),
+            Self::Sum(s) => Some(Self::Sum(s.map(|m| m.turned(turn)))),
             Self::Specular(Specular::Patches { .. }) | Self::Reversed(_) | Self::Separated(_) => None,
         };
         exact.unwrap_or_else(|| Self::Turned(Turned::new(Arc::new(self.clone()), turn)))
@@ -149,32 +147,30 @@ impl Model {
     /// sample.
     #[must_use]
     pub fn reciprocal(&self) -> Self {
-        let exact = match self {
-            Self::Matrix(m) => m.reversed().map(Self::Matrix),
-            Self::Tree(t) => t.reversed().map(Self::Tree),
+        let view = || Self::Reversed(Reversed::new(Arc::new(self.clone())));
+        match self {
+            Self::Matrix(m) => m.reversed().map_or_else(view, Self::Matrix),
+            Self::Tree(t) => t.reversed().map_or_else(view, Self::Tree),
             Self::Lambertian(_) | Self::Specular(Specular::Constant(_) | Specular::Angular(_) | Specular::Pane(..)) => {
-                Some(self.clone())
+                self.clone()
             }
             Self::Specular(Specular::Patches { basis, values }) => (0..basis.len())
                 .map(|p| basis.reversed(p).map(|q| values[q]))
                 .collect::<Option<Vec<_>>>()
-                .map(|values| {
-                    Self::Specular(Specular::Patches {
-                        basis: basis.clone(),
-                        values,
-                    })
-                })
-                .or_else(|| Some(self.turned(Turn::new(std::f64::consts::PI, false)))),
-            Self::Sum(s) => Sum::new(s.parts().iter().map(|(w, m)| (*w, Arc::new(m.reciprocal()))).collect())
-                .ok()
-                .map(Self::Sum),
-            Self::Turned(t) => Some(Self::Turned(Turned::new(Arc::new(t.base().reciprocal()), t.turn()))),
-            Self::Reversed(r) => Some((**r.base()).clone()),
-            Self::Separated(s) => Separated::new(Arc::new(s.base().reciprocal()))
-                .ok()
-                .map(Self::Separated),
-        };
-        exact.unwrap_or_else(|| Self::Reversed(Reversed::new(Arc::new(self.clone()))))
+                .map_or_else(
+                    || self.turned(Turn::new(std::f64::consts::PI, false)),
+                    |values| {
+                        Self::Specular(Specular::Patches {
+                            basis: basis.clone(),
+                            values,
+                        })
+                    },
+                ),
+            Self::Sum(s) => Self::Sum(s.map(Self::reciprocal)),
+            Self::Turned(t) => Self::Turned(Turned::new(Arc::new(t.base().reciprocal()), t.turn())),
+            Self::Reversed(r) => (**r.base()).clone(),
+            Self::Separated(s) => Self::Separated(s.reciprocal()),
+        }
     }
 }
 

@@ -3,8 +3,7 @@
 //!
 //! A table smears an unscattered beam over the cell that it falls into. Probing the cells about the straight direction
 //! tells whether one stands out of its surround; if so, its flux above the diffuse floor becomes an ideal peak. The cells
-//! that were taken keep the floor, so the direct-hemispherical value is unchanged. Only for the reverse of an isotropic
-//! tree this is approximate: seen backwards, its cells do not cover quite the areas that they count for.
+//! that were taken keep the floor, so the direct-hemispherical value is unchanged.
 //!
 //! Where data of both sides are not reciprocal it matters which side is asked. Radiance, which traces rays backwards,
 //! takes the data of the viewer's side: its beam for a viewer in one direction is the one for light from there.
@@ -26,6 +25,8 @@ pub struct Cell {
     pub value: f64,
     /// Projected solid angle (sr), the smaller one of the incident and the outgoing patch.
     pub area: f64,
+    /// Projected solid angle (sr) of the outgoing directions that share it, for light from the one incident direction.
+    pub outgoing_area: f64,
 }
 
 /// A model made of cells.
@@ -46,9 +47,9 @@ pub trait Tabular: Scatterer {
     /// Least value of the table (1/sr); 0 where it is too large to be a diffuse background.
     fn floor(&self) -> f64;
 
-    /// Upper limit of the distance on the disk between an outgoing direction and others of its cell, if the cell is about
-    /// as small as the smallest one.
-    fn extent(&self, outgoing: Disk) -> f64;
+    /// Upper limit of the distance on the disk between an outgoing direction and others of its cell, for light from one
+    /// direction, if the cell is about as small as the smallest one.
+    fn extent(&self, incident: Disk, outgoing: Disk) -> f64;
 }
 
 /// A table and its through-beam.
@@ -117,6 +118,15 @@ impl Separated {
         })
     }
 
+    /// The same of the reversed paths; a table's reverse has its values and the areas of its cells.
+    #[must_use]
+    pub fn reciprocal(&self) -> Self {
+        Self {
+            base: Arc::new(self.base.reciprocal()),
+            ..*self
+        }
+    }
+
     /// The table, its beam unseparated.
     pub fn base(&self) -> &Arc<Model> {
         &self.base
@@ -156,6 +166,7 @@ impl Separated {
             id: 0,
             value: 0.0,
             area: 0.0,
+            outgoing_area: 0.0,
         }; PROBES];
         self.table().cells(incident, &self.probes(incident), &mut cells);
         let mut count = 0;
@@ -171,14 +182,17 @@ impl Separated {
             return None;
         }
         let (mut value, mut area, mut sum, mut surround) = (0.0, 0.0, 0.0, 0.0);
+        // How large cells are is judged as the method says; how much light they hold is what leaves through them.
+        let mut outgoing_area = 0.0;
         let mut taken = 0;
         for k in 0..count {
             let cell = cells[k];
             if cell.area > largest || sum > MIN_CONTRAST * cell.value * taken as f64 {
                 surround += cell.area;
             } else {
-                value += cell.value * cell.area;
+                value += cell.value * cell.outgoing_area;
                 area += cell.area;
+                outgoing_area += cell.outgoing_area;
                 sum += cell.value;
                 cells.swap(taken, k);
                 taken += 1;
@@ -187,7 +201,7 @@ impl Separated {
         if surround < MIN_SURROUND * area {
             return None;
         }
-        let value = value - area * self.diffuse;
+        let value = value - outgoing_area * self.diffuse;
         (value >= MIN_PEAK).then_some(Beam {
             value,
             area,
@@ -200,7 +214,7 @@ impl Separated {
     fn far_apart(&self, incident: Disk, outgoing: Disk) -> bool {
         let reach = REACH * self.spacing;
         let distance = (incident.x - outgoing.x).hypot(incident.y - outgoing.y);
-        distance > reach && reach < 0.5 && distance > reach + self.table().extent(outgoing)
+        distance > reach && reach < 0.5 && distance > reach + self.table().extent(incident, outgoing)
     }
 }
 
@@ -255,15 +269,6 @@ impl Scatterer for Separated {
                 peak: true,
             });
         }
-        if let Model::Reversed(_) = &*self.base {
-            // Its samples are weighted: the weight takes what the beam took.
-            let outgoing = Disk::uniform([(u[0] - chance) / (1.0 - chance), u[1]]);
-            return Some(Sample {
-                outgoing,
-                weight: PI * self.evaluate(incident, outgoing) / (1.0 - chance),
-                peak: false,
-            });
-        }
         // Rejection: a sample in the beam's cells stays with the probability that its value is the floor's. It takes
         // 1 / (1 - chance) tries on average, and is asked for with probability 1 - chance.
         let mut point = [(u[0] - chance) / (1.0 - chance), u[1]];
@@ -288,10 +293,6 @@ impl Scatterer for Separated {
         let total = self.base.total(incident, Part::All).value;
         if total <= 0.0 {
             return 0.0;
-        }
-        if let Model::Reversed(_) = &*self.base {
-            let beam = self.beam(incident).map_or(0.0, |b| b.value);
-            return (1.0 - beam / total) * self.base.pdf(incident, outgoing);
         }
         self.evaluate(incident, outgoing) * outgoing.cos_theta() / total
     }
@@ -435,8 +436,7 @@ mod tests {
 
     #[test]
     fn nothing_is_lost_or_gained() {
-        // Seen backwards, an isotropic tree's cell does not cover the area that it counts for.
-        for (n, model) in models()[..4].iter().enumerate() {
+        for (n, model) in models().iter().enumerate() {
             for k in 0..3 {
                 let incident = Disk::uniform(r2(k, [0.7, 0.2]));
                 let parts = [Part::All, Part::Scattered, Part::Direct].map(|p| model.total(incident, p).value);
@@ -479,8 +479,7 @@ mod tests {
     fn samples_follow_their_density() {
         const DRAWS: u32 = 40_000;
         let bins = Arc::new(Basis::klems_full());
-        // The reverse of a table has weighted samples, see the next test.
-        for (n, model) in models()[..4].iter().enumerate() {
+        for (n, model) in models().iter().enumerate() {
             let incident = Disk::from_angles(0.5, 0.4);
             let total = model.total(incident, Part::All).value;
             let chance = direct(model, incident) / total;

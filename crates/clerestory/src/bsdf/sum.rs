@@ -26,6 +26,13 @@ impl Sum {
         Ok(Self { parts })
     }
 
+    /// The same sum of other models.
+    #[must_use]
+    pub fn map(&self, change: impl Fn(&Model) -> Model) -> Self {
+        let parts = self.parts.iter().map(|(w, model)| (*w, Arc::new(change(model))));
+        Self { parts: parts.collect() }
+    }
+
     /// Weights and models.
     pub fn parts(&self) -> &[(f64, Arc<Model>)] {
         &self.parts

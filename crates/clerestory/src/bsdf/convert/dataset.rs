@@ -26,8 +26,8 @@ pub struct Report {
     /// Error of the values, RMS over the mean: for matrices the estimated sampling error, for trees the difference to the
     /// source; none where that has ideal beams.
     pub rms_error: Option<f64>,
-    /// Largest difference of direct-hemispherical values to the source, where the source tells them.
-    pub worst_direct_hemispherical: Option<f64>,
+    /// Largest difference of direct-hemispherical values to the source.
+    pub worst_direct_hemispherical: f64,
 }
 
 /// Every component of a data set as a matrix.

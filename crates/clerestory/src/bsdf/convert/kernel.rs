@@ -166,24 +166,11 @@ fn rows(
     })
 }
 
-/// Mean direct-hemispherical value of every incident patch over its points; None where the model has only an estimate of it.
-pub fn totals(model: &Model, incident: &Points) -> Option<Vec<f64>> {
-    if estimates_total(model) {
-        return None;
-    }
+/// Mean direct-hemispherical value of every incident patch over its points.
+pub fn totals(model: &Model, incident: &Points) -> Vec<f64> {
     let of = |i: usize| {
         let sum: f64 = incident.of(i).iter().map(|&p| model.total(p, Part::All).value).sum();
         sum / incident.count as f64
     };
-    Some((0..incident.basis.len()).into_par_iter().map(of).collect())
-}
-
-/// Whether a model's direct-hemispherical value is an estimate.
-pub fn estimates_total(model: &Model) -> bool {
-    match model {
-        Model::Reversed(_) => true,
-        Model::Sum(s) => s.parts().iter().any(|(_, m)| estimates_total(m)),
-        Model::Turned(t) => estimates_total(t.base()),
-        _ => false,
-    }
+    (0..incident.basis.len()).into_par_iter().map(of).collect()
 }

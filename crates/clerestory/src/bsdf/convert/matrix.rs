@@ -19,9 +19,8 @@ pub struct Conversion {
     pub samples: u32,
     /// Estimated sampling error of the values: RMS over the mean, both weighted by projected solid angle.
     pub rms_error: f64,
-    /// Largest difference between a patch's direct-hemispherical value and the mean of the source's over the patch. None for
-    /// a source whose own is an estimate.
-    pub worst_direct_hemispherical: Option<f64>,
+    /// Largest difference between a patch's direct-hemispherical value and the mean of the source's over the patch.
+    pub worst_direct_hemispherical: f64,
 }
 
 /// Mean BSDF of `model` over every pair of patches, cosine-weighted in both. Ideal beams become the mean BSDF of the patch
@@ -47,7 +46,7 @@ pub fn to_matrix(
             matrix: m.clone(),
             samples: 0,
             rms_error: 0.0,
-            worst_direct_hemispherical: Some(0.0),
+            worst_direct_hemispherical: 0.0,
         });
     }
     progress.expect(steps(model, incident.len()));
@@ -70,12 +69,14 @@ pub fn to_matrix(
     }
     let exact = even == odd;
     let worst_direct_hemispherical = if exact {
-        Some(0.0)
+        0.0
     } else {
-        totals(model, &sources).map(|totals| {
-            let difference = |(i, total): (usize, &f64)| (matrix.direct_hemispherical(i) - total).abs();
-            totals.iter().enumerate().map(difference).fold(0.0, f64::max)
-        })
+        let difference = |(i, total): (usize, &f64)| (matrix.direct_hemispherical(i) - total).abs();
+        totals(model, &sources)
+            .iter()
+            .enumerate()
+            .map(difference)
+            .fold(0.0, f64::max)
     };
     Ok(Conversion {
         matrix,
@@ -198,7 +199,7 @@ mod tests {
                         model.kind()
                     );
                 }
-                assert!(conversion.worst_direct_hemispherical.unwrap() < 1e-9);
+                assert!(conversion.worst_direct_hemispherical < 1e-9);
             }
         }
     }
@@ -257,7 +258,7 @@ mod tests {
         let exact = convert(&Model::Turned(turned), &basis, of(256));
         let sampled = convert(&Model::Reversed(twice), &basis, of(256));
         assert_eq!(exact.samples, 0);
-        assert!(sampled.worst_direct_hemispherical.is_none());
+        assert!(sampled.worst_direct_hemispherical < 0.01);
         let error = rms(&sampled.matrix, &exact.matrix);
         assert!(
             error > 0.0 && error < 2.0 * sampled.rms_error + 1e-3,

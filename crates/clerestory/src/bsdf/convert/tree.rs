@@ -5,7 +5,6 @@ use std::f64::consts::{PI, TAU};
 use rayon::prelude::*;
 
 use super::isotropy::{anisotropy, by_construction};
-use super::kernel::estimates_total;
 use crate::bsdf::tree::Grid;
 use crate::bsdf::{Model, Part, Rank, Scatterer, Tree};
 use crate::direction::Disk;
@@ -28,9 +27,8 @@ pub struct TreeConversion {
     /// RMS difference to the source at pseudo-random pairs of directions, uniform in projected solid angle, over the mean:
     /// resolution, sampling and reduction together. None for a source with ideal beams.
     pub rms_error: Option<f64>,
-    /// Largest difference of direct-hemispherical values to the source's at pseudo-random directions. None for a source whose
-    /// own is an estimate.
-    pub worst_direct_hemispherical: Option<f64>,
+    /// Largest difference of direct-hemispherical values to the source's at pseudo-random directions.
+    pub worst_direct_hemispherical: f64,
 }
 
 /// Mean BSDF of `model` over the cells of a tree. Peaks become the mean BSDF of the finest cell that they fall into.
@@ -79,7 +77,7 @@ pub fn to_tree(
         tree = tree.reduced_by_percent(percent)?.tree;
     }
     let rms_error = (!beams).then(|| rms_difference(&tree, model));
-    let worst_direct_hemispherical = (!estimates_total(model)).then(|| worst_total(&tree, model));
+    let worst_direct_hemispherical = worst_total(&tree, model);
     Ok(TreeConversion {
         tree,
         rms_error,
@@ -184,7 +182,7 @@ mod tests {
             let conversion = convert(&Model::Tree(tree.clone()), rank, grid(4, 2));
             // Zero in the half of rank 3 that no direction reaches.
             assert!(conversion.rms_error.unwrap() < 1e-6, "{rank:?}");
-            assert!(conversion.worst_direct_hemispherical.unwrap() < 1e-5);
+            assert!(conversion.worst_direct_hemispherical < 1e-5);
         }
     }
 
@@ -197,10 +195,7 @@ mod tests {
         let model = Model::Sum(Sum::new(parts).unwrap());
         for rank in [Rank::Isotropic, Rank::Anisotropic] {
             let conversion = convert(&model, rank, grid(4, 4));
-            assert!(
-                conversion.worst_direct_hemispherical.unwrap() < 1e-5,
-                "{rank:?} {conversion:?}"
-            );
+            assert!(conversion.worst_direct_hemispherical < 1e-5, "{rank:?} {conversion:?}");
             assert_eq!(conversion.rms_error, None);
             // The beam goes straight on.
             let (i, cell) = (Disk::new(0.31, 0.22), PI / 256.0);
@@ -251,7 +246,7 @@ mod tests {
         let measured = anisotropy(&model, &Progress::default()).unwrap();
         assert!(measured < MAX_ANISOTROPY, "{measured}");
         let conversion = convert(&model, Rank::Isotropic, grid(4, 16));
-        assert!(conversion.worst_direct_hemispherical.unwrap() < 0.05, "{conversion:?}");
+        assert!(conversion.worst_direct_hemispherical < 0.05, "{conversion:?}");
     }
 
     #[test]

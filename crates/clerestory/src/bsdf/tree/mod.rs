@@ -10,6 +10,7 @@
 //! the number of a block.
 
 mod assembler;
+mod backwards;
 mod build;
 mod cells;
 mod code;
@@ -29,6 +30,7 @@ use crate::direction::Disk;
 use crate::error::{Error, Result};
 use sampling::Slices;
 
+pub(super) use backwards::Backwards;
 pub use build::Grid;
 pub use cells::OutgoingCell;
 pub use reduce::Reduction;
@@ -304,33 +306,41 @@ fn encode(value: f32) -> Result<u32> {
 }
 
 impl Tree {
-    fn cell_of(&self, code: u64) -> Cell {
+    fn cell_of(&self, code: u64) -> (Cell, u32) {
         let (value, place, depth) = match self.rank {
             Rank::Isotropic => self.walk::<3>(code),
             Rank::Anisotropic => self.walk::<4>(code),
         };
-        Cell {
+        let area = PI * 0.25_f64.powi(depth as i32);
+        let cell = Cell {
             id: place as u64,
             value: f64::from(value),
-            area: PI * 0.25_f64.powi(depth as i32),
-        }
+            area,
+            outgoing_area: area,
+        };
+        (cell, depth)
+    }
+
+    /// The cell of a pair of directions and its level below the root.
+    pub(super) fn leaf(&self, incident: Disk, outgoing: Disk) -> (Cell, u32) {
+        self.cell_of(self.rank.code(incident, outgoing))
     }
 }
 
 impl Tabular for Tree {
     fn cell(&self, incident: Disk, outgoing: Disk) -> Cell {
-        self.cell_of(self.rank.code(incident, outgoing))
+        self.leaf(incident, outgoing).0
     }
 
     fn cells(&self, incident: Disk, outgoing: &[Disk], cells: &mut [Cell]) {
         let code = self.rank.incident_code(incident);
         for (cell, &point) in cells.iter_mut().zip(outgoing) {
             let code = code | self.rank.outgoing_code(self.rank.into_frame(incident, point));
-            *cell = self.cell_of(code);
+            *cell = self.cell_of(code).0;
         }
     }
 
-    fn extent(&self, _: Disk) -> f64 {
+    fn extent(&self, _: Disk, _: Disk) -> f64 {
         // From the square of edge 1 to the disk of radius 1 one side of a cell grows by at most 2 √(1 + (π/4)²) = 2.55, the
         // other by π/2; the diagonal is no longer than both together.
         4.2 * 0.5_f64.powi(self.depth as i32)
