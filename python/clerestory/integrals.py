@@ -92,6 +92,30 @@ def own_basis(bsdf: Bsdf, scatter: Scatter, side: Side = "exterior", band: str |
     return model.incident_basis if model.kind == "matrix" else None
 
 
+def patch_directions(
+    bsdf: Bsdf,
+    patch: int,
+    scatter: Scatter = "transmission",
+    *,
+    side: Side = "exterior",
+    band: str | None = None,
+    samples: int = 16,
+) -> NDArray[np.float64]:
+    """Incident directions (n, 3) whose mean stands for a patch of Klems' full basis.
+
+    Parameters
+    ----------
+    patch
+        From 1.
+    samples
+        Number of directions, a square number; a matrix on Klems full has the one of its own patch.
+    """
+    klems = Basis.named("klems-full")
+    if own_basis(bsdf, scatter, side, band) == klems:
+        return klems.incident_centres(side)[patch - 1 : patch]
+    return klems.sample_incident(patch - 1, _grid(max(1, round(samples**0.5))), side)
+
+
 def direct_hemispherical(
     bsdf: Bsdf,
     scatter: Scatter = "transmission",

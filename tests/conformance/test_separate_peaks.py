@@ -3,6 +3,10 @@
 A small distant source stands behind a sheet; the irradiance of its direct light over the source's own is the
 transmittance of the beam. Rays are traced backwards, so Radiance takes the data of the viewer's side: its beam for a
 viewer in one direction is compared with ours for light from there.
+
+Backwards, the cell of an isotropic tree at radius r covers directions of which it is not the middle, up to half a cell
+off. Radiance counts the cell as it is in the tree; ours is what leaves through it, so that no light is lost or made. Up
+to half a cell over r they differ there, as often one way as the other.
 """
 
 import gzip
@@ -82,8 +86,20 @@ def beams(separated: clerestory.Bsdf, incident: np.ndarray) -> np.ndarray:
     return separated.integrate(incident, "transmission", part="direct")
 
 
-def agree(ours: np.ndarray, theirs: np.ndarray) -> np.ndarray:
-    return np.abs(ours - theirs) <= RELATIVE * np.abs(theirs) + ABSOLUTE
+def agree(ours: np.ndarray, theirs: np.ndarray, slack: np.ndarray | float = 0.0) -> np.ndarray:
+    return np.abs(ours - theirs) <= (RELATIVE + slack) * np.abs(theirs) + ABSOLUTE
+
+
+def half_cell(path: Path, incident: np.ndarray, side: str) -> np.ndarray | float:
+    """Half a cell over the radius where an isotropic tree is asked backwards, else 0."""
+    data = clerestory.read(path)
+    model, by_reciprocity = data.model(side, "transmission")
+    if model.kind != "reversed":
+        return 0.0
+    assert by_reciprocity
+    (tree,) = (m for (_, scatter), m in data.models["visible"].items() if scatter == "transmission")
+    cells = 2**tree.tree_depth
+    return np.minimum(1.2 / cells / np.maximum(np.hypot(*incident.T[:2]), 1e-9), 0.2)
 
 
 @pytest.mark.parametrize("side", SIDES)
@@ -94,8 +110,11 @@ def test_beams_are_those_of_radiance(require_pyradiance, tmp_path, path, side):
     incident = direction(np.degrees(np.arcsin(r)), phi, side=side)
     separated = clerestory.read(path).separate_peaks()
     ours, theirs = beams(separated, incident), radiance_beams(require_pyradiance, path, incident, tmp_path)
-    wrong = np.flatnonzero(~agree(ours, theirs))
+    slack = half_cell(path, incident, side)
+    wrong = np.flatnonzero(~agree(ours, theirs, slack))
     assert wrong.size == 0, [(incident[k].round(4).tolist(), ours[k], theirs[k]) for k in wrong]
+    if np.any(slack):
+        assert np.mean(ours) == pytest.approx(np.mean(theirs), rel=5e-3)
     # The test sees beams, and for fabrics and blinds different ones.
     assert np.count_nonzero(theirs) > DIRECTIONS // 2
 
@@ -107,9 +126,12 @@ def test_directions_on_borders_of_cells_are_answered_as_on_one_side_of_them(requ
     theta, phi = [0, 10, 20, 30, 30, 50, 65, 70, 80], [0, 0, 90, 270, 90, 270, 30, 270, 15]
     incident = direction(theta, phi, side=side)
     theirs = radiance_beams(require_pyradiance, path, incident, tmp_path)
-    separated = clerestory.read(path).separate_peaks()
+    separated, slack = clerestory.read(path).separate_peaks(), half_cell(path, incident, side)
     near = np.zeros(len(incident), dtype=bool)
     for dx in (-1e-7, 0.0, 1e-7):
         for dy in (-1e-7, 0.0, 1e-7):
-            near |= agree(beams(separated, incident + np.array([dx, dy, 0.0])), theirs)
+            near |= agree(beams(separated, incident + np.array([dx, dy, 0.0])), theirs, slack)
+    if np.any(slack):
+        # Exactly along the normal all azimuths are one cell backwards, of which Radiance counts a quarter.
+        near[0] = agree(beams(separated, incident[:1]) / 4, theirs[:1])[0]
     assert near.all(), [(t, p) for t, p, ok in zip(theta, phi, near, strict=True) if not ok]

@@ -75,6 +75,8 @@ def test_info(folder, capsys):
     assert re.search(r"visible +exterior +transmission +matrix 145 × 145, LBNL/Klems Full", out)
     assert re.search(r"visible +exterior +transmission +0.8000 +0.8000 +0.8000 +0.8000 +0.8000", out)
     assert "Nothing suspicious" in out
+    assert re.search(r"Cut-off angle\n  visible, light from the exterior: not cut off below 90°\n", out)
+    assert "(1 % of that at 0°), light from above in steps of 1°, data resolve" in out
     code, out, _ = run(capsys, "info", folder / "glows.xml")
     assert code == 0
     assert "error: visible, light from the exterior: more light leaves than arrives in 145 of 145" in out
@@ -88,6 +90,10 @@ def test_info_as_json(folder, capsys):
     assert len(result["components"]) == 4
     assert result["components"][0]["direct_hemispherical"]["30"] == pytest.approx(0.8, rel=1e-5)
     assert result["metadata"]["name"] == "Pane"
+    cut_offs = {(c["side"], c["scatter"]): c["cut_off"] for c in result["components"]}
+    assert cut_offs["exterior", "reflection"] is None
+    assert cut_offs["exterior", "transmission"]["angle_deg"] is None
+    assert "data resolve" in cut_offs["exterior", "transmission"]["words"]
 
 
 def test_check(folder, capsys):

@@ -15,6 +15,8 @@ from clerestory import Basis, Bsdf, ClerestoryError, MissingDataError, Model, pl
 from clerestory.bsdf import Region
 from clerestory.directions import direction
 from clerestory.plot import disk, style
+from clerestory.plot.view import View
+from registry import tree
 
 KLEMS = Basis.named("klems-full")
 
@@ -630,3 +632,19 @@ def test_transmittances_are_those_of_the_report(redirecting, fabric, diffuser):
     assert rows["fabric"]["T_d-d\n50° (88)"] == pytest.approx(0.05 + 0.2 * areas[87] / np.pi, rel=1e-6)
     assert rows["fabric"]["T_h-h"] == pytest.approx(0.25, rel=1e-6)
     assert all(np.isnan(v) for v in rows["none"].values())
+
+
+def test_totals_are_patch_means_where_a_patch_is_named_and_the_labels_say_so():
+    sets = tree(3, 4)
+    for patch in (1, 88, 145):
+        by_patch = View.of(sets, patch)
+        spread = KLEMS.sample_incident(patch - 1, np.random.default_rng(1).random((2000, 2)), "exterior")
+        values = sets.integrate(spread, "transmission")
+        assert by_patch.total() == pytest.approx(values.mean(), abs=0.2 * np.std(values) + 1e-9)
+        (bar,) = (v for k, v in plot.transmittances(sets, [patch])[""].items() if k.startswith("T_d-h"))
+        assert by_patch.total() == pytest.approx(bar)
+        assert "(patch mean)" in by_patch.title
+        centre = KLEMS.incident_centres("exterior")[patch - 1]
+        by_direction = View.of(sets, centre)
+        assert by_direction.total() == float(sets.integrate(centre, "transmission"))
+        assert "(this direction)" in by_direction.title

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     from clerestory.bsdf import Bsdf
     from clerestory.describe import Block
+    from clerestory.integrals import CutOff
     from clerestory.metadata import Metadata
 
 
@@ -19,7 +20,7 @@ def info(file: FileArgument, *, as_json: JsonOption = False) -> None:
     """Say what a file holds, its integrals, and what is suspicious in it.
 
     Hemispherical values are those under uniform radiance. Direct-hemispherical values are for light from straight above
-    at 0, 30, 50 and 70° to the normal.
+    at 0, 30, 50 and 70° to the normal. The cut-off angle is that of light from straight above.
 
     Example: clerestory info blind.xml
     """
@@ -30,6 +31,7 @@ def info(file: FileArgument, *, as_json: JsonOption = False) -> None:
     with about(file):
         parts = blocks(bsdf)
         direct = [_direct_hemispherical(bsdf, block) for block in parts]
+        cut_offs = [_cut_off(bsdf, block) for block in parts]
         findings = [finding for finding in check(bsdf) if finding.severity != "note"]
     if as_json:
         print_json(
@@ -39,8 +41,12 @@ def info(file: FileArgument, *, as_json: JsonOption = False) -> None:
                 "bands": bsdf.bands,
                 "metadata": asdict(bsdf.metadata),
                 "components": [
-                    {**asdict(block), "direct_hemispherical": dict(zip(_probes(), values, strict=True))}
-                    for block, values in zip(parts, direct, strict=True)
+                    {
+                        **asdict(block),
+                        "direct_hemispherical": dict(zip(_probes(), values, strict=True)),
+                        "cut_off": cut and {"angle_deg": _angle(cut), "threshold": cut.threshold, "words": cut.words},
+                    }
+                    for block, values, cut in zip(parts, direct, cut_offs, strict=True)
                 ],
                 "findings": findings,
             }
@@ -57,6 +63,14 @@ def info(file: FileArgument, *, as_json: JsonOption = False) -> None:
         for b, values in zip(parts, direct, strict=True)
     ]
     say(table(["band", "side", "scatter", "hh", *(f"{probe}°" for probe in _probes())], rows, left=3))
+    found = [(block, cut) for block, cut in zip(parts, cut_offs, strict=True) if cut]
+    if found:
+        say("\nCut-off angle")
+    for block, cut in found:
+        angle = _angle(cut)
+        words = "not cut off below 90°" if angle is None else f"{angle:g}°"
+        say(f"  {block.band}, light from the {block.side}: {words if cut.values[0] > 0.0 else 'no direct light'}")
+        say(f"    {cut.words}")
     say("\nSuspicious" if findings else "\nNothing suspicious")
     for finding in findings:
         say(f"  {finding}")
@@ -74,6 +88,18 @@ def _direct_hemispherical(bsdf: Bsdf, block: Block) -> list[float]:
 
     incident = direction(PROBES_DEG, 90.0, side=block.side)
     return [float(value) for value in bsdf.integrate(incident, block.scatter, band=block.band)]
+
+
+def _cut_off(bsdf: Bsdf, block: Block) -> CutOff | None:
+    """Cut-off angle for light from above; None for reflection."""
+    from clerestory.integrals import cut_off
+
+    return cut_off(bsdf, side=block.side, band=block.band) if block.scatter == "transmission" else None
+
+
+def _angle(cut: CutOff) -> float | None:
+    """The angle; none where no light passes that could be cut off."""
+    return cut.angle_deg if cut.values[0] > 0.0 else None
 
 
 def _format(file: Path) -> str:

@@ -333,6 +333,7 @@ def _values(
                     "incident": view.light.words,
                     "band": view.band,
                     "direct_hemispherical": view.total(),
+                    "values_of": view.total_of,
                     "by_reciprocity": view.by_reciprocity,
                     "peaks": view.peaks(),
                     "regions": [

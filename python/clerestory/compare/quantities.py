@@ -15,7 +15,7 @@ import numpy as np
 from clerestory.basis import Basis
 from clerestory.bsdf import Region
 from clerestory.directions import angles
-from clerestory.integrals import continued, cut_off, hemispherical, own_basis
+from clerestory.integrals import continued, cut_off, hemispherical, own_basis, patch_directions
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -115,15 +115,10 @@ def _hemispherical(bsdf: Bsdf, settings: Settings, scatter: Scatter, letter: str
 
 def _incident(bsdf: Bsdf, settings: Settings, patch: int, scatter: Scatter) -> tuple[NDArray[np.float64], str]:
     """Incident directions of a patch, and words for them."""
-    basis = klems()
-    if own_basis(bsdf, scatter, settings.side, settings.band) == basis:
-        centre = basis.incident_centres(settings.side)[patch - 1 : patch]
-        return centre, "incident Klems full patch, the data's own"
-    root = max(1, round(settings.samples**0.5))
-    middles = (np.arange(root) + 0.5) / root
-    u, v = np.meshgrid(middles, middles, indexing="ij")
-    points = basis.sample_incident(patch - 1, np.column_stack([u.ravel(), v.ravel()]), settings.side)
-    return points, f"mean over {root * root} directions of the incident Klems full patch"
+    points = patch_directions(bsdf, patch, scatter, side=settings.side, band=settings.band, samples=settings.samples)
+    if len(points) == 1 and own_basis(bsdf, scatter, settings.side, settings.band) == klems():
+        return points, "incident Klems full patch, the data's own"
+    return points, f"mean over {len(points)} directions of the incident Klems full patch"
 
 
 def _mean(

@@ -98,7 +98,14 @@ def hemisphere_grid(
                 paint(ax, images[name, k], norm)
                 style.cross(ax, disk.project(view.through, projection), size=4)
                 mark_peaks(ax, view.peaks(), projection, size=5)
-                ax.text(0, -1.03, f"{view.symbol} = {style.figures(view.total())}", ha="center", va="top", fontsize=7)
+                ax.text(
+                    0,
+                    -1.03,
+                    f"{view.symbol} = {style.figures(view.total())} ({view.total_of})",
+                    ha="center",
+                    va="top",
+                    fontsize=7,
+                )
             disk.frame(ax, projection, labels=False)
     words = component_words(band, sources[0].side, scatter)
     leaving = next((v.outgoing_side for v in views.values() if v is not None), "interior")

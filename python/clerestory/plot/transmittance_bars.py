@@ -10,7 +10,7 @@ import numpy as np
 from clerestory._core import ClerestoryError, MissingDataError
 from clerestory.basis import Basis
 from clerestory.bsdf import Bsdf, Region
-from clerestory.integrals import hemispherical, own_basis
+from clerestory.integrals import hemispherical, patch_directions
 from clerestory.plot import style
 from clerestory.plot.view import PATCHES, labelled, light
 from clerestory.words import common_band
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
     from clerestory.directions import Scatter, Side
     from clerestory.plot.view import Light
@@ -132,7 +131,7 @@ def transmittances(
             row[f"{letter}_h-h"] = hemispherical(bsdf, scatter, side=side, band=band).value
             for source in chosen:
                 index = int(klems.index_of_incident(source.direction))
-                directions = _incident(bsdf, klems, index, side, scatter, band)
+                directions = patch_directions(bsdf, index + 1, scatter, side=side, band=band)
                 for part, region in (("d-h", None), ("d-d", Region.patches(klems, [index]))):
                     values = bsdf.integrate(directions, scatter, region, band)
                     row[_key(letter, part, source)] = float(np.mean(values))
@@ -142,16 +141,6 @@ def transmittances(
 
 def _key(letter: str, part: str, source: Light) -> str:
     return f"{letter}_{part}\n{source.theta_deg:.3g}° ({source.patch})"
-
-
-def _incident(
-    bsdf: Bsdf, klems: Basis, index: int, side: Side, scatter: Scatter, band: str | None
-) -> NDArray[np.float64]:
-    """Directions (n, 3) that stand for an incident patch."""
-    if own_basis(bsdf, scatter, side, band) == klems:
-        return klems.incident_centres(side)[index : index + 1]
-    u = (np.stack(np.meshgrid(np.arange(4), np.arange(4)), axis=-1).reshape(-1, 2) + 0.5) / 4.0
-    return klems.sample_incident(index, u, side)
 
 
 def _mathematical(name: str) -> str:

@@ -12,7 +12,7 @@ from clerestory._core import ClerestoryError
 from clerestory.basis import Basis
 from clerestory.bsdf import Bsdf, Peak, Region
 from clerestory.directions import Scatter, Side, incident_in_words, outgoing_in_words, outgoing_side
-from clerestory.integrals import continued
+from clerestory.integrals import continued, patch_directions
 from clerestory.plot.style import Quantity, figures
 from clerestory.words import band_name
 
@@ -148,8 +148,21 @@ class View:
         return self.bsdf.peaks(self.light.direction, self.scatter, self.band)
 
     def total(self, region: Region | None = None) -> float:
-        """Direct-hemispherical value, or the part that goes into a region."""
-        return float(self.bsdf.integrate(self.light.direction, self.scatter, region, self.band))
+        """Direct-hemispherical value, or the part that goes into a region.
+
+        Where the light is named by a Klems patch it is the mean over that patch, as in a comparison's tables; a matrix
+        on Klems' full basis has it as its own. A direction has the value of just this direction.
+        """
+        incident = self.light.direction
+        if self.light.patch is not None:
+            side = self.light.side
+            incident = patch_directions(self.bsdf, self.light.patch, self.scatter, side=side, band=self.band)
+        return float(np.mean(self.bsdf.integrate(incident, self.scatter, region, self.band)))
+
+    @property
+    def total_of(self) -> str:
+        """What the totals are of: patch mean, or this direction."""
+        return "this direction" if self.light.patch is None else "patch mean"
 
     @property
     def symbol(self) -> str:
@@ -165,7 +178,7 @@ class View:
     def title(self) -> str:
         """Three lines: whose data, which component lit from where, and how much of the light leaves."""
         head = textwrap.wrap(self.label, 60)
-        total = f"{self.symbol} = {figures(self.total())}"
+        total = f"{self.symbol} = {figures(self.total())} ({self.total_of})"
         return "\n".join([*head, self.component, f"incident {self.light.words};  {total}"])
 
 

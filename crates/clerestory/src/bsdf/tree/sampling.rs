@@ -7,7 +7,10 @@
 //! four quadrants' shares and the cell of their own profiles that comes next, so nothing has to be searched on the way
 //! down. A dense tree has one step for twelve leaves.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
+
+use rayon::prelude::*;
 
 use super::{BRANCH, Entry, Rank, Tree, decode};
 use crate::bsdf::{Estimate, Part, Peak, Sample, Scatterer};
@@ -41,6 +44,14 @@ impl Packed {
 
     fn values(block: usize) -> Self {
         Self(VALUES | block as u32)
+    }
+
+    /// The same after so many more steps before it.
+    fn after(self, steps: usize) -> Self {
+        match self.get() {
+            Next::Step(number) => Self::step(number + steps),
+            Next::Cell | Next::Values(_) => self,
+        }
     }
 
     fn get(self) -> Next {
@@ -77,6 +88,32 @@ enum Profile {
     Split(Vec<Profile>),
 }
 
+impl Profile {
+    /// The same after so many more steps before its own.
+    fn after(&mut self, steps: usize) {
+        match self {
+            Self::Same(slice) => slice.next = slice.next.after(steps),
+            Self::Split(split) => split.iter_mut().for_each(|part| part.after(steps)),
+        }
+    }
+}
+
+/// Level at whose blocks the work is divided: 16 or 64 parts, of which light fills at most half for rank 3.
+fn task_level(rank: Rank) -> u32 {
+    match rank {
+        Rank::Isotropic => 2,
+        Rank::Anisotropic => 1,
+    }
+}
+
+/// Makes profiles and the steps that they lead to.
+struct Maker<'a> {
+    tree: &'a Tree,
+    steps: Vec<Step>,
+    /// Profiles that are known, by their block.
+    known: BTreeMap<usize, Profile>,
+}
+
 /// Slices of a tree.
 #[derive(Debug)]
 pub(super) struct Slices {
@@ -91,19 +128,72 @@ pub(super) struct Slices {
 impl Slices {
     /// Of all incident positions of a tree.
     pub(super) fn new(tree: &Tree) -> Self {
+        let mut maker = Maker::with_known(tree);
+        let profile = maker.profile(tree.root);
         let mut slices = Self {
             rank: tree.rank,
-            steps: Vec::new(),
+            steps: maker.steps,
             root: 0,
             nodes: Vec::new(),
             distinct: Vec::new(),
         };
-        let profile = slices.profile(tree, tree.root);
         slices.root = slices.store(&profile);
         slices
     }
+}
 
-    fn profile(&mut self, tree: &Tree, entry: u32) -> Profile {
+impl<'a> Maker<'a> {
+    fn new(tree: &'a Tree) -> Self {
+        Self {
+            tree,
+            steps: Vec::new(),
+            known: BTreeMap::new(),
+        }
+    }
+
+    /// With the profiles of some way down, made all at the same time and put together in their order.
+    fn with_known(tree: &'a Tree) -> Self {
+        let mut blocks = vec![tree.root];
+        for _ in 0..task_level(tree.rank) {
+            let below = blocks.iter().filter_map(|&entry| match decode(entry) {
+                Entry::Block(block) => Some(tree.block(block)),
+                Entry::Value(_) => None,
+            });
+            blocks = below.flatten().copied().collect();
+        }
+        blocks.retain(|entry| entry & BRANCH != 0);
+        let mut parts: Vec<(Profile, Vec<Step>)> = blocks
+            .par_iter()
+            .map(|&entry| {
+                let mut maker = Self::new(tree);
+                let profile = maker.profile(entry);
+                (profile, maker.steps)
+            })
+            .collect();
+        let mut count = 0;
+        let first: Vec<usize> = parts
+            .iter()
+            .map(|(_, steps)| {
+                count += steps.len();
+                count - steps.len()
+            })
+            .collect();
+        parts.par_iter_mut().zip(first).for_each(|((profile, steps), first)| {
+            profile.after(first);
+            for step in steps {
+                step.next = step.next.map(|next| next.after(first));
+            }
+        });
+        let mut maker = Self::new(tree);
+        maker.steps.reserve(count);
+        for (&entry, (profile, steps)) in blocks.iter().zip(parts) {
+            maker.steps.extend(steps);
+            maker.known.insert((entry & !BRANCH) as usize, profile);
+        }
+        maker
+    }
+
+    fn profile(&mut self, entry: u32) -> Profile {
         let block = match decode(entry) {
             Entry::Value(value) => {
                 return Profile::Same(Slice {
@@ -114,9 +204,12 @@ impl Slices {
             }
             Entry::Block(block) => block,
         };
-        let positions = 0..1 << self.rank.incident_axes();
+        if let Some(profile) = self.known.remove(&block) {
+            return profile;
+        }
+        let positions = 0..1 << self.tree.rank.incident_axes();
         let split = positions.map(|position| {
-            let children = tree.outgoing_children(block, position);
+            let children = self.tree.outgoing_children(block, position);
             if children.iter().all(|e| e & BRANCH == 0) {
                 let values = children.map(|e| f64::from(f32::from_bits(e)));
                 return Profile::Same(Slice {
@@ -125,7 +218,7 @@ impl Slices {
                     next: Packed::values(block),
                 });
             }
-            let parts = children.map(|e| self.profile(tree, e));
+            let parts = children.map(|e| self.profile(e));
             self.join(parts.each_ref())
         });
         Profile::Split(split.collect())
@@ -148,7 +241,7 @@ impl Slices {
                 next: step,
             });
         }
-        let positions = 0..1 << self.rank.incident_axes();
+        let positions = 0..1 << self.tree.rank.incident_axes();
         let split = positions.map(|position| {
             self.join(parts.map(|part| match part {
                 Profile::Same(_) => part,
@@ -157,7 +250,9 @@ impl Slices {
         });
         Profile::Split(split.collect())
     }
+}
 
+impl Slices {
     fn store(&mut self, profile: &Profile) -> u32 {
         match profile {
             Profile::Same(slice) => {
@@ -351,6 +446,18 @@ mod tests {
                     assert_eq!(tree.total(incident, Part::Direct).value, 0.0);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn tables_do_not_depend_on_the_number_of_threads() {
+        for rank in RANKS {
+            let tree = random(rank, 5, 6);
+            let build = |threads| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| format!("{:?}", Slices::new(&tree)))
+            };
+            assert_eq!(build(1), build(3));
         }
     }
 
