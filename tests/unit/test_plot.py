@@ -640,7 +640,7 @@ def test_totals_are_patch_means_where_a_patch_is_named_and_the_labels_say_so():
         by_patch = View.of(sets, patch)
         spread = KLEMS.sample_incident(patch - 1, np.random.default_rng(1).random((2000, 2)), "exterior")
         values = sets.integrate(spread, "transmission")
-        assert by_patch.total() == pytest.approx(values.mean(), abs=0.2 * np.std(values) + 1e-9)
+        assert by_patch.total() == pytest.approx(values.mean(), abs=0.4 * np.std(values) + 1e-9)
         (bar,) = (v for k, v in plot.transmittances(sets, [patch])[""].items() if k.startswith("T_d-h"))
         assert by_patch.total() == pytest.approx(bar)
         assert "(patch mean)" in by_patch.title
