@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import itertools
 import math
 import os
 import subprocess
@@ -51,10 +52,8 @@ def _polygon(material: str, name: str, points: list[tuple[float, float, float]])
 
 
 def _strip(material: str, name: str, a: tuple[float, float], b: tuple[float, float], half: float) -> str:
-    """A strip along x between two points (z, y); its front is on the left of the way from a to b, z to the right, y up."""
-    return _polygon(
-        material, name, [(-half, a[1], a[0]), (half, a[1], a[0]), (half, b[1], b[0]), (-half, b[1], b[0])]
-    )
+    """A strip along x from a to b, both (z, y); its front is on the left of the way, z to the right and y up."""
+    return _polygon(material, name, [(-half, a[1], a[0]), (half, a[1], a[0]), (half, b[1], b[0]), (-half, b[1], b[0])])
 
 
 def _slat(width: float, crown: float, tilt_deg: float, facets: int) -> list[tuple[float, float]]:
@@ -88,7 +87,7 @@ def blind(
     text = [material]
     for k in range(slats):
         y0 = (k - slats // 2 + 0.5) * pitch
-        for n, ((za, ya), (zb, yb)) in enumerate(zip(points, points[1:], strict=False)):
+        for n, ((za, ya), (zb, yb)) in enumerate(itertools.pairwise(points)):
             text.append(_strip("slat", f"s{k}.{n}", (za - front, ya + y0), (zb - front, yb + y0), half))
     return Scene(name, "".join(text), (-pitch / 2, pitch / 2), (0.0, pitch), max(depth, 1e-6))
 

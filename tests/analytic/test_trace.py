@@ -1,7 +1,7 @@
 """Samples whose scattering has a closed form, measured by the virtual goniophotometer.
 
-Every value is compared in units of its own standard error. All scores of the suite together must pass at 1 % (Šidák), and
-their variance must lie in 0.7 to 1.4, so that errors that are too large fail too.
+Every value is compared in units of its own standard error. All scores of the suite together must pass at 1 % (Šidák),
+and their variance must lie in 0.7 to 1.4, so that errors that are too large fail too.
 """
 
 from __future__ import annotations

@@ -77,9 +77,9 @@ pub fn scatter<const N: usize>(
     let cos = arrival.cos();
     let ratio = |b: usize| arrival.here.index[b] / arrival.beyond.index[b];
     let mut borders = [Border::new(arrival.here.index[0], arrival.beyond.index[0], cos); N];
-    for b in 1..N {
+    for (b, border) in borders.iter_mut().enumerate().skip(1) {
         if ratio(b) != ratio(0) {
-            borders[b] = Border::new(arrival.here.index[b], arrival.beyond.index[b], cos);
+            *border = Border::new(arrival.here.index[b], arrival.beyond.index[b], cos);
         }
     }
     polarisation.turn_to(arrival.direction, arrival.normal);
