@@ -42,7 +42,7 @@ impl PyGeometry {
                 "pieces are rows of five numbers, and each has a surface",
             ));
         }
-        let pieces = pieces
+        let pieces: Vec<Piece> = pieces
             .as_array()
             .rows()
             .into_iter()
