@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
 from clerestory.trace.bands import Spectrum
-from clerestory.trace.keys import Keys, NotNegative, Number, Positive, RecipeError
+from clerestory.trace.keys import Keys, RecipeError
 
 if TYPE_CHECKING:
     from clerestory.trace.bands import Bands
@@ -111,5 +111,3 @@ class Dielectric(_Material):
 
 Material = Annotated[Black | Lambertian | Mirror | Dielectric, Field(discriminator="kind")]
 """What a surface does with light."""
-
-_ = (Any, NotNegative, Number, Positive)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field, model_validator
 
@@ -20,7 +20,9 @@ class Medium(Keys):
     """Refractive index."""
     cauchy: list[Number] | None = Field(default=None, min_length=1, max_length=3)
     """Coefficients A, B [µm²] and C [µm⁴] of Cauchy's formula, n = A + B/λ² + C/λ⁴; later ones may be left out."""
-    sellmeier: list[tuple[Number, Number]] | None = Field(default=None, min_length=1, max_length=6)
+    sellmeier: list[Annotated[list[Number], Field(min_length=2, max_length=2)]] | None = Field(
+        default=None, min_length=1, max_length=6
+    )
     """Pairs B, C [µm²] of Sellmeier's formula, n² = 1 + Σ B λ²/(λ² − C)."""
     absorption_per_m: Spectrum = 0.0
     """Absorption coefficient [1/m]."""

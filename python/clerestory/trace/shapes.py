@@ -71,13 +71,25 @@ class Section:
     pieces: tuple[Piece, ...]
     period: float
     """Along y [m]."""
+    everywhere: bool = False
+    """It is the same at every y, so that any period will do."""
+
+    def repeated(self, period: float) -> Section:
+        """With another period, if it is the same everywhere."""
+        if not self.everywhere:
+            return self
+        pieces = (
+            replace(p, start=(p.start[0], p.start[1] and period), end=(p.end[0], p.end[1] and period))
+            for p in self.pieces
+        )
+        return replace(self, pieces=tuple(pieces), period=period)
 
     def moved(self, z: float) -> Section:
         """The same, shifted along z [m]."""
         if z == 0.0:
             return self
         pieces = (replace(p, start=(p.start[0] + z, p.start[1]), end=(p.end[0] + z, p.end[1])) for p in self.pieces)
-        return Section(tuple(pieces), self.period)
+        return replace(self, pieces=tuple(pieces))
 
     def depth(self) -> tuple[float, float]:
         """Least and greatest z [m]."""
@@ -85,7 +97,54 @@ class Section:
         return float(z.min()), float(z.max())
 
 
-Shape = Section
+@dataclass(frozen=True)
+class Mesh:
+    """Triangles, repeated along x and y. The front of a triangle is where its corners run counter-clockwise."""
+
+    corners: NDArray[np.float64]
+    """Points (n, 3): x, y, z [m]."""
+    triangles: NDArray[np.int64]
+    """Corners of the triangles (m, 3)."""
+    faces: tuple[Face, ...]
+    """The surfaces that occur."""
+    face: NDArray[np.int64]
+    """The surface of each triangle (m,)."""
+    periods: Point
+    """Along x and y [m]."""
+
+    @classmethod
+    def joined(cls, parts: Iterable[tuple[NDArray[np.float64], NDArray[np.int64], Face]], periods: Point) -> Mesh:
+        """From corners, triangles and surface of each part."""
+        corners, triangles, faces, face, count = [], [], [], [], 0
+        for points, chosen, own in parts:
+            corners.append(points)
+            triangles.append(chosen + count)
+            count += len(points)
+            if own not in faces:
+                faces.append(own)
+            face.append(np.full(len(chosen), faces.index(own)))
+        return cls(np.concatenate(corners), np.concatenate(triangles), tuple(faces), np.concatenate(face), periods)
+
+    def moved(self, z: float) -> Mesh:
+        """The same, shifted along z [m]."""
+        return self if z == 0.0 else replace(self, corners=self.corners + np.array([0.0, 0.0, z]))
+
+    def depth(self) -> tuple[float, float]:
+        """Least and greatest z [m]."""
+        return float(self.corners[:, 2].min()), float(self.corners[:, 2].max())
+
+    @property
+    def period(self) -> float:
+        """Along y [m]."""
+        return self.periods[1]
+
+    def repeated(self, period: float) -> Mesh:
+        """The same: it has periods of its own."""
+        del period
+        return self
+
+
+Shape = Section | Mesh
 """What a sample is made of."""
 
 

@@ -61,6 +61,11 @@ class Workshop:
             )
         return Face(material, material)
 
+    def yarn(self, key: str, material: str) -> Face:
+        """The surface of a yarn, opaque or not: its front is outside."""
+        self._material(key, material)
+        return Face(material, material)
+
     def body(self, key: str, medium: str, surface: str | None = None, *, surface_key: str = "surface") -> Face:
         """The surface of a transparent body: its front is outside, in air."""
         if medium == AIR or medium not in self.media:
