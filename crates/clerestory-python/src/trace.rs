@@ -78,7 +78,10 @@ impl PySample {
             .into_iter()
             .map(MaterialSpec::into_material)
             .collect::<PyResult<_>>()?;
-        let media: Vec<Medium> = media.into_iter().map(MediumSpec::into_medium).collect();
+        let media: Vec<Medium> = media
+            .into_iter()
+            .map(MediumSpec::into_medium)
+            .collect::<PyResult<_>>()?;
         let layers = layers.iter().map(|l| l.get().take()).collect::<PyResult<_>>()?;
         Ok(Self(Sample {
             bands,

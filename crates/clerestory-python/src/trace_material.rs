@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use clerestory::material::{Material, Medium};
 use pyo3::prelude::*;
 
-use crate::errors::ClerestoryError;
+use crate::errors::{ClerestoryError, raise};
 
 /// A material: its kind, and its numbers by name, one a band where they are spectral.
 #[derive(FromPyObject)]
@@ -17,31 +17,57 @@ pub struct MaterialSpec {
 }
 
 impl MaterialSpec {
-    fn spectrum(&mut self, name: &str) -> PyResult<Vec<f64>> {
+    fn spectrum(&self, name: &str) -> PyResult<&[f64]> {
         self.numbers
-            .remove(name)
+            .get(name)
+            .map(Vec::as_slice)
             .ok_or_else(|| ClerestoryError::new_err(format!("material {}: {name} is missing", self.kind)))
     }
 
+    fn number(&self, name: &str) -> PyResult<f64> {
+        match self.spectrum(name)? {
+            [value] => Ok(*value),
+            values => Err(ClerestoryError::new_err(format!(
+                "material {}: {} values of {name} (give one)",
+                self.kind,
+                values.len()
+            ))),
+        }
+    }
+
     /// The material of the core.
-    pub fn into_material(mut self) -> PyResult<Material> {
-        Ok(match self.kind.as_str() {
-            "black" => Material::Black,
-            "lambertian" => Material::Lambertian {
-                reflectance: self.spectrum("reflectance")?,
-                transmittance: self.spectrum("transmittance")?,
-            },
-            "mirror" => Material::Mirror {
-                reflectance: self.spectrum("reflectance")?,
-            },
-            "interface" => Material::Interface,
+    pub fn into_material(self) -> PyResult<Material> {
+        let material = match self.kind.as_str() {
+            "black" => Ok(Material::Black),
+            "interface" => Ok(Material::Interface),
+            "lambertian" => Material::lambertian(self.spectrum("reflectance")?, self.spectrum("transmittance")?),
+            "mirror" => Material::mirror(self.spectrum("reflectance")?),
+            "plastic" => Material::plastic(
+                self.spectrum("colour")?,
+                self.number("specularity")?,
+                self.number("roughness")?,
+            ),
+            "metal" => Material::metal(
+                self.spectrum("colour")?,
+                self.number("specularity")?,
+                self.number("roughness")?,
+            ),
+            "trans" => Material::trans(
+                self.spectrum("colour")?,
+                self.number("specularity")?,
+                self.number("roughness")?,
+                self.number("transmission")?,
+                self.number("transmitted_specularity")?,
+            ),
+            "glass" => Material::glass(self.spectrum("transmissivity")?, self.number("index")?),
             _ => {
                 return Err(ClerestoryError::new_err(format!(
                     "no material {:?} is known",
                     self.kind
                 )));
             }
-        })
+        };
+        material.map_err(raise)
     }
 }
 
@@ -52,17 +78,15 @@ pub struct MediumSpec {
     index: Vec<f64>,
     #[pyo3(item("absorption"))]
     absorption: Vec<f64>,
+    #[pyo3(item("scattering"))]
+    scattering: Vec<f64>,
+    #[pyo3(item("asymmetry"))]
+    asymmetry: Vec<f64>,
 }
 
 impl MediumSpec {
     /// The medium of the core.
-    pub fn into_medium(self) -> Medium {
-        let none = vec![0.0; self.index.len()];
-        Medium {
-            index: self.index,
-            absorption: self.absorption,
-            scattering: none.clone(),
-            asymmetry: none,
-        }
+    pub fn into_medium(self) -> PyResult<Medium> {
+        Medium::scattering(&self.index, &self.absorption, &self.scattering, &self.asymmetry).map_err(raise)
     }
 }

@@ -11,6 +11,7 @@ import numpy as np
 from clerestory import _core
 from clerestory.trace.keys import RecipeError, suggestion
 from clerestory.trace.materials import Spec
+from clerestory.trace.media import Medium
 from clerestory.trace.recipe import Recipe, read_toml
 from clerestory.trace.shapes import AIR, Section
 from clerestory.trace.shipped import names, path_of
@@ -49,7 +50,7 @@ class Sample:
         self._specs: dict[str, Spec] = {SMOOTH: Spec("interface", {}, opaque=False)}
         for name, material in recipe.materials.items():
             self._specs[name] = material.spec(recipe.bands, f"materials.{name}", folder)
-        self._media = {AIR: {"index": [1.0] * len(self.bands), "absorption": [0.0] * len(self.bands)}}
+        self._media = {AIR: Medium(index=1.0).spec(recipe.bands, AIR)}
         for name, medium in recipe.media.items():
             if name == AIR:
                 raise RecipeError(f"media.{name}: air is always there (choose another name)")

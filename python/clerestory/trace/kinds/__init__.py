@@ -12,6 +12,8 @@ from clerestory.trace.kinds.blind import Louvre, VenetianBlind
 from clerestory.trace.kinds.common import Kind
 from clerestory.trace.kinds.film import PrismaticFilm, Profile, ScannedProfile
 from clerestory.trace.kinds.panel import Honeycomb, LaserCutPanel, LightShelf, Pane
+from clerestory.trace.kinds.screen import ExpandedMetal, PerforatedScreen
+from clerestory.trace.kinds.weave import WovenFabric
 
 if TYPE_CHECKING:
     from clerestory.trace.shapes import Shape
@@ -60,6 +62,9 @@ AnySample = Annotated[
     | ScannedProfile
     | Profile
     | Honeycomb
+    | WovenFabric
+    | PerforatedScreen
+    | ExpandedMetal
     | Layers,
     Field(discriminator="kind"),
 ]
