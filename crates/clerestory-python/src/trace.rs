@@ -71,7 +71,7 @@ impl PySample {
         bands: Vec<String>,
         layers: Vec<Bound<'_, PyGeometry>>,
         surfaces: Vec<([u32; 2], [u16; 2])>,
-        materials: Vec<MaterialSpec>,
+        materials: Vec<MaterialSpec<'_>>,
         media: Vec<MediumSpec>,
     ) -> PyResult<Self> {
         let materials: Vec<Material> = materials

@@ -2,21 +2,32 @@
 
 use std::collections::HashMap;
 
-use clerestory::material::{Material, Medium};
+use clerestory::geometry::Vec3;
+use clerestory::material::{LobeValues, Material, Medium};
 use pyo3::prelude::*;
 
+use crate::arrays::side;
+use crate::bsdf::PyBsdf;
 use crate::errors::{ClerestoryError, raise};
 
 /// A material: its kind, and its numbers by name, one a band where they are spectral.
 #[derive(FromPyObject)]
-pub struct MaterialSpec {
+pub struct MaterialSpec<'py> {
     #[pyo3(item("kind"))]
     kind: String,
     #[pyo3(item("numbers"))]
     numbers: HashMap<String, Vec<f64>>,
+    #[pyo3(item("data"))]
+    data: Option<DataSpec<'py>>,
+    /// Of a mixture, with their shares.
+    #[pyo3(item("parts"))]
+    parts: Vec<(f64, MaterialSpec<'py>)>,
 }
 
-impl MaterialSpec {
+/// A data set, the names of its bands, the side that it shows, and its upward direction.
+type DataSpec<'py> = (Bound<'py, PyBsdf>, Vec<Option<String>>, String, [f64; 3]);
+
+impl MaterialSpec<'_> {
     fn spectrum(&self, name: &str) -> PyResult<&[f64]> {
         self.numbers
             .get(name)
@@ -33,6 +44,15 @@ impl MaterialSpec {
                 values.len()
             ))),
         }
+    }
+
+    fn lobe(&self) -> PyResult<LobeValues<'_>> {
+        Ok(LobeValues {
+            reflectance: self.spectrum("reflectance")?,
+            transmittance: self.spectrum("transmittance")?,
+            diffuse_reflectance: self.spectrum("diffuse_reflectance")?,
+            diffuse_transmittance: self.spectrum("diffuse_transmittance")?,
+        })
     }
 
     /// The material of the core.
@@ -60,6 +80,23 @@ impl MaterialSpec {
                 self.number("transmitted_specularity")?,
             ),
             "glass" => Material::glass(self.spectrum("transmissivity")?, self.number("index")?),
+            "rough interface" => Material::rough_interface(self.number("roughness")?),
+            "ggx" => Material::ggx(self.spectrum("reflectance")?, self.number("roughness")?),
+            "gaussian" => Material::gaussian(self.number("width")?, self.lobe()?),
+            "abg" => Material::abg(self.number("b")?, self.number("g")?, self.lobe()?),
+            "measured" => {
+                let Some((bsdf, bands, side_name, [x, y, z])) = self.data else {
+                    return Err(ClerestoryError::new_err("material measured: the data set is missing"));
+                };
+                let bands: Vec<Option<&str>> = bands.iter().map(Option::as_deref).collect();
+                Material::measured(&bsdf.get().0, &bands, side(&side_name)?, Vec3::new(x, y, z))
+            }
+            "mixture" => Material::mixture(
+                self.parts
+                    .into_iter()
+                    .map(|(share, part)| Ok((share, part.into_material()?)))
+                    .collect::<PyResult<_>>()?,
+            ),
             _ => {
                 return Err(ClerestoryError::new_err(format!(
                     "no material {:?} is known",

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from clerestory.trace.picture import _Colours
     from clerestory.trace.sample import Sample
-    from clerestory.trace.shapes import Mesh, Section
+    from clerestory.trace.shapes import Mesh, Section, Shape
 
     Floats = NDArray[np.float64]
 
@@ -34,8 +34,9 @@ def meshes(sample: Sample, shapes: Sequence[Mesh], sections: Sequence[Section], 
     """The view from the room, and a cut at the middle of x seen from the right."""
     wide = max(m.periods[0] for m in shapes)
     tall = max(m.periods[1] for m in shapes)
-    low = min(s.depth()[0] for s in [*shapes, *sections])
-    high = max(s.depth()[1] for s in [*shapes, *sections])
+    everything: list[Shape] = [*shapes, *sections]
+    low = min(s.depth()[0] for s in everything)
+    high = max(s.depth()[1] for s in everything)
     depth = max(high - low, 1e-3 * tall)
     scale, unit = unit_of(max(wide, tall))
     figure = new_figure(9.5, 4.8)

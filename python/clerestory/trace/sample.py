@@ -50,6 +50,8 @@ class Sample:
         self._specs: dict[str, Spec] = {SMOOTH: Spec("interface", {}, opaque=False)}
         for name, material in recipe.materials.items():
             self._specs[name] = material.spec(recipe.bands, f"materials.{name}", folder)
+        for name, material in recipe.materials.items():
+            material.check(self._specs, f"materials.{name}")
         self._media = {AIR: Medium(index=1.0).spec(recipe.bands, AIR)}
         for name, medium in recipe.media.items():
             if name == AIR:
@@ -97,7 +99,7 @@ class Sample:
         surfaces = [
             ((specs.index(f.front), specs.index(f.back)), (media.index(f.before), media.index(f.behind))) for f in faces
         ]
-        materials = [{"kind": s.kind, "numbers": s.numbers} for s in self._specs.values()]
+        materials = [spec.for_core(self._specs) for spec in self._specs.values()]
         return _core.Sample(self.bands, layers, surfaces, materials, list(self._media.values()))
 
 

@@ -54,7 +54,7 @@ class Workshop:
         RecipeError
             Light passes the material.
         """
-        if not self._material(key, material).opaque:
+        if not self._material(key, material).is_opaque(self.materials):
             raise RecipeError(
                 f"{key}: light passes {material}, so that it cannot be the skin of something thick "
                 "(leave the thickness out, or give a body with a medium)"
