@@ -6,7 +6,21 @@ A sample comes from a recipe, a TOML file (`load`), or from a function named aft
 
 from clerestory.trace.instrument import Balance, Measured, measure, run
 from clerestory.trace.keys import RecipeError
+from clerestory.trace.make import perforated_screen, prismatic_film, venetian_blind, woven_fabric
 from clerestory.trace.sample import Sample, load
 from clerestory.trace.shipped import names
 
-__all__ = ["Balance", "Measured", "RecipeError", "Sample", "load", "measure", "names", "run"]
+__all__ = [
+    "Balance",
+    "Measured",
+    "RecipeError",
+    "Sample",
+    "load",
+    "measure",
+    "names",
+    "perforated_screen",
+    "prismatic_film",
+    "run",
+    "venetian_blind",
+    "woven_fabric",
+]

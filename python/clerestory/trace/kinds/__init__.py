@@ -11,6 +11,7 @@ from clerestory.trace.keys import RecipeError
 from clerestory.trace.kinds.blind import Louvre, VenetianBlind
 from clerestory.trace.kinds.common import Kind
 from clerestory.trace.kinds.film import PrismaticFilm, Profile, ScannedProfile
+from clerestory.trace.kinds.height import HeightMap
 from clerestory.trace.kinds.panel import Honeycomb, LaserCutPanel, LightShelf, Pane
 from clerestory.trace.kinds.screen import ExpandedMetal, PerforatedScreen
 from clerestory.trace.kinds.weave import WovenFabric
@@ -65,6 +66,7 @@ AnySample = Annotated[
     | WovenFabric
     | PerforatedScreen
     | ExpandedMetal
+    | HeightMap
     | Layers,
     Field(discriminator="kind"),
 ]

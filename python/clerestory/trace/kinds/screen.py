@@ -112,7 +112,13 @@ def _plate(
     corners = half * np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
     angles = np.arctan2(*outline.T[::-1])
     wanted = np.concatenate([angles, np.arctan2(*corners.T[::-1])])
-    wanted = np.unique(np.round(wanted, 12))
+    # A row that is shifted by half a cell has its corners where this one has them.
+    border = _at(corners, wanted)
+    level = border[np.abs(np.abs(border[:, 1]) - half[1]) < 1e-9 * half[1], 0]
+    across = np.concatenate([level, np.where(level > 0.0, level - half[0], level + half[0])])
+    wanted = np.concatenate([wanted, np.arctan2(half[1], across), np.arctan2(-half[1], across)])
+    wanted.sort()
+    wanted = wanted[np.diff(wanted, prepend=-10.0) > 1e-9]
     inner = _at(outline, wanted)
     outer = _at(corners, wanted)
     n = len(wanted)
