@@ -7,7 +7,8 @@ import pytest
 
 import clerestory
 from clerestory.cli import main
-from clerestory.trace import names
+from clerestory.trace import load, names
+from clerestory.trace import run as measure_run
 
 
 def run(capsys, *words):
@@ -95,3 +96,15 @@ def test_a_faulty_recipe_is_one_line_and_leaves_no_file(tmp_path, capsys):
     assert (code, out) == (1, "")
     assert err == f"error: {recipe}: sample.slat.width: there is no such key (did you mean width_mm?)\n"
     assert not (tmp_path / "blind.xml").exists()
+
+
+@pytest.mark.parametrize("name", names())
+def test_every_recipe_that_is_shipped_runs(name):
+    sample = load(name)
+    assert sample.warnings == []
+    measured = measure_run(sample, basis="klems-quarter", samples=16)
+    for balance in measured.balance.values():
+        assert balance.sum == pytest.approx(1.0, abs=1e-9)
+        assert balance.lost == 0.0
+        assert balance.cut_off < 0.002
+        assert 0.0 < balance.transmitted < 1.0

@@ -89,7 +89,7 @@ class Sample:
         """The sample as the core takes it; anew at every call."""
         faces: dict[Face, int] = {}
         layers = []
-        for shape in self.shapes:
+        for shape in (s for s in self.shapes if isinstance(s, Section)):
             try:
                 layers.append(_geometry(shape, faces))
             except _core.ClerestoryError as error:
