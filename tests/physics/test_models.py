@@ -142,9 +142,11 @@ def test_regions_of_a_partition_sum_to_the_total(case):
                 rings = sum(integrate(Region.ring(axis, a, b)) for a, b in pairwise(limits))
                 assert rings == pytest.approx(total, abs=1e-9)
                 own = next((m for m in [case.bsdf.model(side, scatter, band)[0]] if m.kind == "matrix"), None)
+                if own is None and part != "all":
+                    continue  # peaks and scattered light are told apart by the rings
                 basis = own.outgoing_basis if own else Basis.named("klems-quarter")
                 patches = sum(integrate(Region.patches(basis, [p])) for p in range(len(basis)))
-                assert patches == pytest.approx(total, rel=1e-9 if own else 0.02, abs=1e-12)
+                assert patches == pytest.approx(total, rel=1e-9 if own else 0.004, abs=1e-12)
 
 
 @by_case
@@ -159,7 +161,9 @@ def test_regions_agree_with_quadrature(case):
         to = outgoing(points, side, scatter)
         for i in incident_directions(side)[1:3]:
             values = case.bsdf.evaluate(i, to, band) * np.pi
-            for axis, half_angle in (((0.3, -0.5), 25.0), ((-0.9, 0.1), 40.0)):
+            # A wide cone about straight through has its narrow peak, too.
+            cones = (((0.3, -0.5), 25.0), ((-0.9, 0.1), 40.0), (tuple(-i[:2]), 20.0), (tuple(-i[:2]), 65.0))
+            for axis, half_angle in cones:
                 towards = outgoing(np.array(axis), side, scatter)
                 inside = to @ towards > np.cos(np.radians(half_angle))
                 found = case.bsdf.integrate(i, scatter, Region.cone(towards, half_angle), band, part="scattered")

@@ -168,7 +168,8 @@ pub trait Scatterer: Send + Sync {
     }
 }
 
-/// Samples a region by quadrature: patches by low-discrepancy points, cones by rings of points.
+/// Integrates over a region: smooth light by low-discrepancy points, and what stands out of it, and may be narrower than the
+/// points' distance, by samples of the model, which find it.
 pub(super) fn integrate_scattered<S: Scatterer + ?Sized>(model: &S, incident: Disk, region: &Region) -> f64 {
     const PATCH_POINTS: u32 = 1024;
     match region {
@@ -177,53 +178,96 @@ pub(super) fn integrate_scattered<S: Scatterer + ?Sized>(model: &S, incident: Di
         Region::Ring { axis, inner, outer } => {
             cone(model, incident, *axis, *outer) - cone(model, incident, *axis, *inner)
         }
-        Region::Patches { basis, patches, turn } => patches
-            .iter()
-            .map(|&p| {
-                let sum: f64 = (0..PATCH_POINTS)
-                    .map(|k| {
-                        let point = basis.sample_cosine(p, r2(k, [0.0; 2]));
-                        model.evaluate(incident, turn.apply(point))
-                    })
-                    .sum();
-                sum / f64::from(PATCH_POINTS) * basis.projected_solid_angle(p)
-            })
-            .sum(),
+        Region::Patches { basis, patches, turn } => {
+            let total = model.total(incident, Part::Scattered).value;
+            let level = STANDS_OUT * total / PI;
+            let smooth: f64 = patches
+                .iter()
+                .map(|&p| {
+                    let sum: f64 = (0..PATCH_POINTS)
+                        .map(|k| {
+                            let point = basis.sample_cosine(p, r2(k, [0.0; 2]));
+                            model.evaluate(incident, turn.apply(point)).min(level)
+                        })
+                        .sum();
+                    sum / f64::from(PATCH_POINTS) * basis.projected_solid_angle(p)
+                })
+                .sum();
+            let rest = total - by_points(model, incident, Disk::NORMAL, PI / 2.0, level);
+            smooth + rest * share_above(model, incident, region, level)
+        }
     }
+}
+
+/// Light stands out where the BSDF is above so many times its mean over the hemisphere.
+const STANDS_OUT: f64 = 1.0;
+
+/// Share of what the BSDF has above a level that leaves into a region: ∫ max(f − level, 0) cosθ dω there, over that of the
+/// hemisphere. Samples find it however narrow it is, and the shares of a partition sum to 1.
+fn share_above<S: Scatterer + ?Sized>(model: &S, incident: Disk, region: &Region, level: f64) -> f64 {
+    const SAMPLES: u32 = 1 << 13;
+    let (mut inside, mut all) = (0.0, 0.0);
+    for k in 0..SAMPLES {
+        let Some(sample) = model.sample(incident, r2(k, [0.0; 2])).filter(|s| !s.peak) else {
+            continue;
+        };
+        let value = model.evaluate(incident, sample.outgoing);
+        if value > level {
+            let excess = sample.weight * (1.0 - level / value);
+            all += excess;
+            if region.contains(sample.outgoing) {
+                inside += excess;
+            }
+        }
+    }
+    if all > 0.0 { inside / all } else { 0.0 }
 }
 
 /// ∫ f cosθ dω over the part of a cone that is above the horizon.
 fn cone<S: Scatterer + ?Sized>(model: &S, incident: Disk, axis: Disk, half_angle: f64) -> f64 {
-    const RINGS: u32 = 64;
-    const SPOKES: u32 = 128;
+    /// A cone that is no wider than so many cells is resolved by its points.
+    const NARROW: f64 = 1.5;
     if half_angle <= 0.0 {
         return 0.0;
     }
-    if half_angle >= PI / 2.0 + axis.theta() {
+    let everything = PI / 2.0 + axis.theta();
+    if half_angle >= everything {
         return model.total(incident, Part::Scattered).value;
     }
+    if half_angle <= NARROW * model.resolution(incident) {
+        return by_points(model, incident, axis, half_angle, f64::INFINITY);
+    }
+    let total = model.total(incident, Part::Scattered).value;
+    let level = STANDS_OUT * total / PI;
+    let region = Region::Cone { axis, half_angle };
+    let rest = total - by_points(model, incident, axis, everything, level);
+    by_points(model, incident, axis, half_angle, level) + rest * share_above(model, incident, &region, level)
+}
+
+/// ∫ min(f, level) cosθ dω over the part of a cone that is above the horizon.
+fn by_points<S: Scatterer + ?Sized>(model: &S, incident: Disk, axis: Disk, half_angle: f64, level: f64) -> f64 {
+    const POINTS: u32 = 1 << 13;
     let w = axis.outgoing(Side::Interior);
     // Two axes across the cone's.
     let (sin_phi, cos_phi) = axis.phi().sin_cos();
     let u = [w.z * cos_phi, w.z * sin_phi, -(w.x * cos_phi + w.y * sin_phi)];
     let v = [-sin_phi, cos_phi, 0.0];
-    let band = (1.0 - half_angle.cos()) / f64::from(RINGS);
+    let height = 1.0 - half_angle.cos();
     let mut sum = 0.0;
-    for ring in 0..RINGS {
-        let cos = 1.0 - (f64::from(ring) + 0.5) * band;
+    for k in 0..POINTS {
+        // Even in solid angle.
+        let [along, around] = r2(k, [0.0; 2]);
+        let cos = 1.0 - along * height;
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
-        for spoke in 0..SPOKES {
-            let turn = 0.5 * f64::from(ring % 2);
-            let (s, c) = (TAU * (f64::from(spoke) + turn) / f64::from(SPOKES)).sin_cos();
-            let d = Direction {
-                x: sin * (c * u[0] + s * v[0]) + cos * w.x,
-                y: sin * (c * u[1] + s * v[1]) + cos * w.y,
-                z: sin * (c * u[2] + s * v[2]) + cos * w.z,
-            };
-            if d.z > 0.0 {
-                sum += model.evaluate(incident, d.outgoing_disk()) * d.z;
-            }
+        let (s, c) = (TAU * around).sin_cos();
+        let d = Direction {
+            x: sin * (c * u[0] + s * v[0]) + cos * w.x,
+            y: sin * (c * u[1] + s * v[1]) + cos * w.y,
+            z: sin * (c * u[2] + s * v[2]) + cos * w.z,
+        };
+        if d.z > 0.0 {
+            sum += model.evaluate(incident, d.outgoing_disk()).min(level) * d.z;
         }
     }
-    sum * band * TAU / f64::from(SPOKES)
+    sum * height * TAU / f64::from(POINTS)
 }
