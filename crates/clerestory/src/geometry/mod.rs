@@ -2,14 +2,17 @@
 //!
 //! * [`Vec3`], [`Ray`], [`Meeting`]: the words.
 //! * [`Geometry`]: what every shape offers.
+//! * [`Mesh`]: triangles and exact round shapes, repeated or not, made from a [`Scene`].
 //! * [`Profile`]: a section of segments and arcs, infinite in x and periodic in y, met exactly.
 //!
 //! Lengths are metres. A sample lies in the plane z = 0 or about it; rays enter through the plane at the end of its depth
 //! on their side, and leave when nothing can be met any more.
 
+mod mesh;
 mod profile;
 mod vector;
 
+pub use mesh::{Element, Extent, Mesh, Scene, Shape};
 pub use profile::{Piece, Profile};
 pub use vector::Vec3;
 

@@ -19,6 +19,11 @@ impl Vec3 {
         Self { x, y, z }
     }
 
+    /// Its coordinates.
+    pub const fn array(self) -> [f64; 3] {
+        [self.x, self.y, self.z]
+    }
+
     /// Scalar product.
     pub fn dot(self, other: Self) -> f64 {
         self.x * other.x + self.y * other.y + self.z * other.z

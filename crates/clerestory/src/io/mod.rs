@@ -2,4 +2,5 @@
 
 pub mod gzip;
 pub mod number;
+pub mod radiance;
 pub mod xml;
