@@ -91,7 +91,7 @@ struct Rims {
     points: Points,
     vectors: Points,
     known: HashMap<(bool, u32, u32), usize>,
-    rims: Vec<Rim>,
+    all: Vec<Rim>,
 }
 
 impl Rims {
@@ -116,7 +116,7 @@ impl Rims {
             points: points([x, y, None]),
             vectors: points([None; 3]),
             known: HashMap::new(),
-            rims: Vec::new(),
+            all: Vec::new(),
         }
     }
 
@@ -161,10 +161,10 @@ impl Rims {
         };
         let forward = forward == positive;
         let key = (circle, self.points.number(point), self.vectors.number(vector));
-        let next = self.rims.len();
+        let next = self.all.len();
         let index = *self.known.entry(key).or_insert(next);
         if index == next {
-            self.rims.push(Rim {
+            self.all.push(Rim {
                 circle,
                 point,
                 vector,
@@ -172,7 +172,7 @@ impl Rims {
                 by: Vec::new(),
             });
         }
-        let rim = &mut self.rims[index];
+        let rim = &mut self.all[index];
         rim.net += if forward { 1 } else { -1 };
         rim.by.push((element, forward));
     }
@@ -181,7 +181,7 @@ impl Rims {
     fn open(self) -> Vec<Rim> {
         let grid = self.points.grid;
         let period = self.points.period;
-        let mut open: Vec<Rim> = self.rims.into_iter().filter(|r| r.net != 0).collect();
+        let mut open: Vec<Rim> = self.all.into_iter().filter(|r| r.net != 0).collect();
         if open.is_empty() || open.len() > MOST_CUT {
             return open;
         }
@@ -202,7 +202,7 @@ impl Rims {
                 numbers: HashMap::new(),
             },
             known: HashMap::new(),
-            rims: Vec::new(),
+            all: Vec::new(),
         };
         for rim in &open {
             let mut cuts = vec![0.0, 1.0];
@@ -223,7 +223,7 @@ impl Rims {
                 }
             }
         }
-        open = again.rims;
+        open = again.all;
         open.retain(|r| r.net != 0);
         open
     }

@@ -85,7 +85,7 @@ impl Mesh {
         let tolerance = greatest * ROUNDING;
         let cell = cell.map(|[low, high]| [low - 10.0 * tolerance, high + 10.0 * tolerance]);
         let Copies {
-            copies,
+            all: copies,
             first,
             shapes,
             boxes,
@@ -147,7 +147,7 @@ impl Mesh {
     }
 
     /// Brings a point into the cell where it is not by whole periods.
-    fn into_cell(&self, origin: &mut Vec3, start: &mut u32) {
+    fn bring_into_cell(&self, origin: &mut Vec3, start: &mut u32) {
         let whole = |axis: usize, x: f64| -> f64 {
             let Extent { limits, repeated } = self.extents[axis];
             let inside = x >= limits[0] - self.tolerance && x <= limits[1] + self.tolerance;
@@ -233,7 +233,7 @@ impl Geometry for Mesh {
             travelled = t;
         }
         let mut start = ray.piece;
-        self.into_cell(&mut origin, &mut start);
+        self.bring_into_cell(&mut origin, &mut start);
         let end = if direction.z > 0.0 { top } else { bottom };
         let [side_x, side_y] = [
             Side::new(&self.extents[0], direction.x),
@@ -328,7 +328,7 @@ fn offset(extents: &[Extent; 2], shift: [i32; 2]) -> Vec3 {
 
 /// Everything that reaches into the cell.
 struct Copies {
-    copies: Vec<Copy>,
+    all: Vec<Copy>,
     first: Vec<u32>,
     shapes: Vec<Shape>,
     boxes: Vec<[Vec3; 2]>,
@@ -336,7 +336,7 @@ struct Copies {
 
 fn copies(scene: &Scene, extents: &[Extent; 2], cell: [[f64; 2]; 2], sides: [[f64; 2]; 2]) -> Result<Copies> {
     let mut made = Copies {
-        copies: Vec::with_capacity(scene.elements.len()),
+        all: Vec::with_capacity(scene.elements.len()),
         first: Vec::with_capacity(scene.elements.len() + 1),
         shapes: Vec::with_capacity(scene.elements.len()),
         boxes: Vec::with_capacity(scene.elements.len()),
@@ -355,7 +355,7 @@ fn copies(scene: &Scene, extents: &[Extent; 2], cell: [[f64; 2]; 2], sides: [[f6
     };
     let mut count = 0.0;
     for (number, element) in scene.elements.iter().enumerate() {
-        made.first.push(made.copies.len() as u32);
+        made.first.push(made.all.len() as u32);
         let [low, high] = element.shape.bounds();
         let [x, y] = [range(0, low.x, high.x), range(1, low.y, high.y)];
         count += (x[1] - x[0] + 1.0).max(0.0) * (y[1] - y[0] + 1.0).max(0.0);
@@ -375,7 +375,7 @@ fn copies(scene: &Scene, extents: &[Extent; 2], cell: [[f64; 2]; 2], sides: [[f6
                 let shift = [i, j];
                 let shape = element.shape.shifted(offset(extents, shift));
                 if let Some(bounds) = clip::bounds(&shape, cell) {
-                    made.copies.push(Copy {
+                    made.all.push(Copy {
                         element: number as u32,
                         shift,
                     });
@@ -385,7 +385,7 @@ fn copies(scene: &Scene, extents: &[Extent; 2], cell: [[f64; 2]; 2], sides: [[f6
             }
         }
     }
-    made.first.push(made.copies.len() as u32);
+    made.first.push(made.all.len() as u32);
     Ok(made)
 }
 

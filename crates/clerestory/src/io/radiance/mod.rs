@@ -170,7 +170,7 @@ impl Reader<'_> {
                         e => e.within(&format!("{place}: ")),
                     })?;
                 }
-                Next::Word(modifier) => self.object(modifier, &mut words, context)?,
+                Next::Word(modifier) => self.object(&modifier, &mut words, context)?,
             }
         }
     }
@@ -242,13 +242,13 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn object(&mut self, modifier: String, words: &mut Words, context: &Context) -> Result<()> {
+    fn object(&mut self, modifier: &str, words: &mut Words, context: &Context) -> Result<()> {
         let kind = words.word("a type")?;
         let name = words.text("a name")?;
         let place = words.place();
         if kind == "alias" {
             let reference = words.word("what an alias stands for")?;
-            return self.alias(&modifier, name, &reference, place);
+            return self.alias(modifier, name, &reference, place);
         }
         let count = words.count("a count of text arguments")?;
         let mut texts = Vec::new();
@@ -274,7 +274,7 @@ impl Reader<'_> {
         };
         if SURFACES.contains(&kind.as_str()) {
             let surface = self
-                .surface_of(&modifier, context)
+                .surface_of(modifier, context)
                 .map_err(|what| Error::format(place.clone(), format!("{kind} {name:?}: {what}"), REMEDY_MATERIAL))?;
             return self.surface(&kind, &name, &numbers, surface, context).map_err(fail);
         }
@@ -312,7 +312,7 @@ impl Reader<'_> {
                     metres_per_unit: context.transform.scale,
                     place,
                 };
-                self.define(name, description, &modifier);
+                self.define(name, description, modifier);
             }
         }
         Ok(())
@@ -417,7 +417,7 @@ impl Reader<'_> {
         };
         let shape = match kind {
             "polygon" => {
-                if numbers.len() % 3 != 0 {
+                if !numbers.len().is_multiple_of(3) {
                     return Err(Error::Argument(format!(
                         "{} real arguments, not three a corner",
                         numbers.len()

@@ -85,9 +85,8 @@ impl<'a> Words<'a> {
     /// The next word, as text of its own, which may be put between quotes.
     pub fn text(&mut self, what: &str) -> Result<String> {
         self.skip();
-        let quote = match self.text.get(self.at) {
-            Some(&q @ (b'"' | b'\'')) => q,
-            _ => return self.word(what),
+        let Some(&quote @ (b'"' | b'\'')) = self.text.get(self.at) else {
+            return self.word(what);
         };
         let rest = &self.text[self.at + 1..];
         let end = rest.iter().position(|&c| c == quote || c == b'\n');

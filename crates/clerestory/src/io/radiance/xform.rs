@@ -146,42 +146,8 @@ impl Xform {
                     .get(at)
                     .ok_or_else(|| Error::Argument(format!("xform's {option} lacks {what} (add it)")))
             };
-            let step = match option {
-                "-t" => {
-                    let mut shift = [0.0; 3];
-                    for s in &mut shift {
-                        *s = number(option, argument("three numbers")?)?;
-                    }
-                    let [x, y, z] = shift;
-                    Transform {
-                        shift: Vec3::new(x, y, z),
-                        ..Transform::NONE
-                    }
-                }
-                "-rx" | "-ry" | "-rz" => turned(option, number(option, argument("an angle")?)?),
-                "-s" => {
-                    let factor = number(option, argument("a factor")?)?;
-                    if factor == 0.0 {
-                        return Err(Error::Argument(
-                            "xform's -s 0 leaves nothing (give another factor)".into(),
-                        ));
-                    }
-                    Transform {
-                        rows: Transform::NONE.rows.map(|r| r * factor),
-                        scale: factor.abs(),
-                        mirrors: factor < 0.0,
-                        ..Transform::NONE
-                    }
-                }
-                "-mx" | "-my" | "-mz" => {
-                    let mut mirror = Transform {
-                        mirrors: true,
-                        ..Transform::NONE
-                    };
-                    let axis = usize::from(option.as_bytes()[2] - b'x');
-                    mirror.rows[axis] = -mirror.rows[axis];
-                    mirror
-                }
+            let next = match option {
+                "-t" | "-rx" | "-ry" | "-rz" | "-s" | "-mx" | "-my" | "-mz" => step(option, &mut argument)?,
                 "-i" | "-a" => {
                     let word = argument("a count")?;
                     let count = word.parse().map_err(|_| {
@@ -224,7 +190,7 @@ impl Xform {
                 }
             };
             if let Some(group) = groups.last_mut() {
-                group.transform = group.transform.then(&step);
+                group.transform = group.transform.then(&next);
             }
             at += 1;
         }
@@ -316,6 +282,47 @@ fn copies(groups: &[Group], name: Option<String>) -> Result<Vec<(String, Transfo
         .into_iter()
         .map(|(name, transform)| (name.unwrap_or_default(), transform))
         .collect())
+}
+
+/// The move, turn, size or mirror that an option asks for.
+fn step<'a>(option: &str, argument: &mut dyn FnMut(&str) -> Result<&'a String>) -> Result<Transform> {
+    Ok(match option {
+        "-t" => {
+            let mut shift = [0.0; 3];
+            for s in &mut shift {
+                *s = number(option, argument("three numbers")?)?;
+            }
+            let [x, y, z] = shift;
+            Transform {
+                shift: Vec3::new(x, y, z),
+                ..Transform::NONE
+            }
+        }
+        "-rx" | "-ry" | "-rz" => turned(option, number(option, argument("an angle")?)?),
+        "-s" => {
+            let factor = number(option, argument("a factor")?)?;
+            if factor == 0.0 {
+                return Err(Error::Argument(
+                    "xform's -s 0 leaves nothing (give another factor)".into(),
+                ));
+            }
+            Transform {
+                rows: Transform::NONE.rows.map(|r| r * factor),
+                scale: factor.abs(),
+                mirrors: factor < 0.0,
+                ..Transform::NONE
+            }
+        }
+        _ => {
+            let mut mirror = Transform {
+                mirrors: true,
+                ..Transform::NONE
+            };
+            let axis = usize::from(option.as_bytes()[2] - b'x');
+            mirror.rows[axis] = -mirror.rows[axis];
+            mirror
+        }
+    })
 }
 
 fn number(option: &str, word: &str) -> Result<f64> {
