@@ -1,10 +1,10 @@
 //! The virtual goniophotometer.
 
-use std::sync::{Arc, Mutex};
+use std::sync::Mutex;
 
 use clerestory::geometry::{Geometry, Piece, Profile};
 use clerestory::material::{Material, Medium, Surface};
-use clerestory::trace::{Goniophotometer, Limits, Sample};
+use clerestory::trace::{Goniophotometer, Sample, Settings, State, Stop};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -115,20 +115,20 @@ impl PySample {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<(PyBsdf, Vec<[f64; 7]>)> {
         let instrument = Goniophotometer {
-            incident: Arc::clone(&incident.0),
-            outgoing: Arc::clone(&outgoing.0),
-            sides: sides.iter().map(|s| side(s)).collect::<PyResult<_>>()?,
-            replications,
-            paths,
-            seed,
-            limits: Limits::default(),
+            settings: Settings {
+                sides: sides.iter().map(|s| side(s)).collect::<PyResult<_>>()?,
+                stop: Stop::Paths(u64::from(paths) * u64::from(replications)),
+                replications,
+                seed,
+                ..Settings::default()
+            },
         };
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
             .map_err(|e| ClerestoryError::new_err(format!("{threads} threads cannot be started ({e})")))?;
         let measured = watched(py, progress.as_ref(), |watch| {
-            pool.install(|| instrument.measure(&self.0, watch))
+            pool.install(|| instrument.matrices(&self.0, &incident.0, &outgoing.0, &mut State::new(""), watch))
         })?;
         Ok((PyBsdf(measured.bsdf), measured.balance))
     }

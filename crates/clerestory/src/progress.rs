@@ -1,6 +1,6 @@
 //! Long work that can be watched and stopped from another thread.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 
 use crate::error::{Error, Result};
 
@@ -10,6 +10,8 @@ pub struct Progress {
     stop: AtomicBool,
     done: AtomicUsize,
     total: AtomicUsize,
+    /// Bits of the largest error so far; those of numbers of 0 or more sort as they do.
+    error: AtomicU64,
 }
 
 impl Progress {
@@ -35,6 +37,21 @@ impl Progress {
             return Err(Error::Interrupted);
         }
         Ok(())
+    }
+
+    /// Tells the error of a part of the result (relative; 0 or more).
+    pub fn tell_error(&self, error: f64) {
+        if error >= 0.0 {
+            self.error.fetch_max(error.to_bits(), Ordering::Relaxed);
+        }
+    }
+
+    /// The largest error of any part of the result so far; none before the first is known.
+    pub fn error(&self) -> Option<f64> {
+        match f64::from_bits(self.error.load(Ordering::Relaxed)) {
+            0.0 => None,
+            error => Some(error),
+        }
     }
 
     /// Share of the announced steps that is done, 0 to 1.

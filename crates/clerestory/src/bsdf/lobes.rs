@@ -44,6 +44,18 @@ impl Lobes {
         })
     }
 
+    /// With more bands, which are as the last one.
+    #[must_use]
+    pub fn padded(&self, bands: usize) -> Self {
+        let mut lobes = self.clone();
+        lobes.bands = bands;
+        for (_, models) in &mut lobes.models {
+            let last = models.last().cloned();
+            models.resize_with(bands, || last.clone().expect("there is a band"));
+        }
+        lobes
+    }
+
     /// Number of bands.
     pub fn bands(&self) -> usize {
         self.bands

@@ -19,6 +19,9 @@ pub struct Matrix {
     /// Incident patch by incident patch: `values[i * outgoing.len() + o]`, 1/sr.
     values: Vec<f64>,
     standard_errors: Option<Vec<f64>>,
+    /// Standard errors of the direct-hemispherical values, one an incident patch, where more is known of them than that the
+    /// values are independent.
+    total_standard_errors: Option<Vec<f64>>,
     /// Running sums of flux over outgoing patches for each incident one; the last is its direct-hemispherical value.
     cumulative: OnceLock<Vec<f64>>,
 }
@@ -29,6 +32,7 @@ impl PartialEq for Matrix {
             && self.outgoing == other.outgoing
             && self.values == other.values
             && self.standard_errors == other.standard_errors
+            && self.total_standard_errors == other.total_standard_errors
     }
 }
 
@@ -60,6 +64,7 @@ impl Matrix {
             outgoing,
             values,
             standard_errors: None,
+            total_standard_errors: None,
             cumulative: OnceLock::new(),
         })
     }
@@ -83,6 +88,19 @@ impl Matrix {
         Ok(self)
     }
 
+    /// With one standard error a direct-hemispherical value. Errors of one measurement's values are not independent, so these
+    /// tell more than the values' own.
+    pub fn with_total_standard_errors(mut self, errors: Vec<f64>) -> Result<Self> {
+        if errors.len() != self.incident.len() || errors.iter().any(|e| !(e.is_finite() && *e >= 0.0)) {
+            return Err(Error::Argument(format!(
+                "standard errors of totals must be {} finite numbers of 0 or more",
+                self.incident.len()
+            )));
+        }
+        self.total_standard_errors = Some(errors);
+        Ok(self)
+    }
+
     /// Basis of incident directions.
     pub fn incident(&self) -> &Arc<Basis> {
         &self.incident
@@ -103,6 +121,11 @@ impl Matrix {
         self.standard_errors.as_deref()
     }
 
+    /// Standard errors of direct-hemispherical values, one an incident patch, where they are known by themselves.
+    pub fn total_standard_errors(&self) -> Option<&[f64]> {
+        self.total_standard_errors.as_deref()
+    }
+
     /// Value for a pair of patches (1/sr); a negative one counts as zero.
     pub fn value(&self, incident: usize, outgoing: usize) -> f64 {
         self.values[incident * self.outgoing.len() + outgoing].max(0.0)
@@ -118,6 +141,10 @@ impl Matrix {
             outgoing: self.outgoing.clone(),
             values: scale(&self.values),
             standard_errors: self.standard_errors.as_deref().map(scale),
+            total_standard_errors: self
+                .total_standard_errors
+                .as_ref()
+                .map(|e| e.iter().enumerate().map(|(i, e)| e * factor(i)).collect()),
             cumulative: OnceLock::new(),
         }
     }
@@ -142,6 +169,10 @@ impl Matrix {
             outgoing: self.outgoing.clone(),
             values: pick(&self.values),
             standard_errors: self.standard_errors.as_deref().map(pick),
+            total_standard_errors: self
+                .total_standard_errors
+                .as_ref()
+                .map(|e| rows.iter().map(|&i| e[i]).collect()),
             cumulative: OnceLock::new(),
         })
     }
@@ -162,6 +193,7 @@ impl Matrix {
             outgoing: self.incident.clone(),
             values: turn(&self.values),
             standard_errors: self.standard_errors.as_deref().map(turn),
+            total_standard_errors: None,
             cumulative: OnceLock::new(),
         })
     }
@@ -241,7 +273,10 @@ impl Scatterer for Matrix {
         let patch = self.incident.patch_of(incident);
         Estimate {
             value: self.direct_hemispherical(patch),
-            standard_error: self.standard_error_of(patch, 0..self.outgoing.len()),
+            standard_error: match &self.total_standard_errors {
+                Some(errors) => Some(errors[patch]),
+                None => self.standard_error_of(patch, 0..self.outgoing.len()),
+            },
         }
     }
 

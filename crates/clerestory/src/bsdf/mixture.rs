@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::{Band, Bsdf, Component, Lambertian, Matrix, Model, Specular, Sum, Tree};
+use super::{Band, Beam, Bsdf, Component, Lambertian, Matrix, Model, Specular, Sum, Tree};
 use crate::direction::{HEMISPHERE, Scatter, Side};
 use crate::error::{Error, Result};
 
@@ -29,6 +29,12 @@ impl Model {
         }
         if let Some(tree) = of_trees(parts)? {
             return Ok(Self::Tree(tree));
+        }
+        if let Some(beam) = of_beams(parts) {
+            return Ok(Self::Beam(beam));
+        }
+        if let Some(sum) = of_measured(parts)? {
+            return Ok(sum);
         }
         of_numbers(parts)?.map_or_else(|| Sum::new(parts.to_vec()).map(Self::Sum), Ok)
     }
@@ -67,12 +73,57 @@ fn of_matrices(parts: &[(f64, Component)]) -> Result<Option<Matrix>> {
         }
     }
     let mixed = Matrix::new(first.incident().clone(), first.outgoing().clone(), values)?;
-    match variance {
-        Some(v) => mixed
-            .with_standard_errors(v.into_iter().map(f64::sqrt).collect())
-            .map(Some),
+    let Some(variance) = variance else {
+        return Ok(Some(mixed));
+    };
+    let mixed = mixed.with_standard_errors(variance.into_iter().map(f64::sqrt).collect())?;
+    let totals: Option<Vec<(f64, &[f64])>> = matrices
+        .iter()
+        .map(|(w, m)| m.total_standard_errors().map(|e| (*w, e)))
+        .collect();
+    match totals {
+        Some(totals) => {
+            let error = |i: usize| totals.iter().map(|(w, e)| (w * e[i]).powi(2)).sum::<f64>().sqrt();
+            let errors = (0..first.incident().len()).map(error).collect();
+            mixed.with_total_standard_errors(errors).map(Some)
+        }
         None => Ok(Some(mixed)),
     }
+}
+
+/// Beams on the same cells.
+fn of_beams(parts: &[(f64, Component)]) -> Option<Beam> {
+    let beams: Option<Vec<(f64, &Beam)>> = parts
+        .iter()
+        .map(|(w, model)| match &**model {
+            Model::Beam(b) => Some((*w, b)),
+            _ => None,
+        })
+        .collect();
+    Beam::mixture(&beams?)
+}
+
+/// Measured light, a matrix or tree and a beam each: scattered light with scattered light, beams with beams.
+fn of_measured(parts: &[(f64, Component)]) -> Result<Option<Model>> {
+    let (mut scattered, mut beams) = (Vec::new(), Vec::new());
+    for (w, model) in parts {
+        let inner = match &**model {
+            Model::Sum(sum) => sum.parts().to_vec(),
+            _ => vec![(1.0, model.clone())],
+        };
+        for (v, part) in inner {
+            match &*part {
+                Model::Matrix(_) | Model::Tree(_) => scattered.push((w * v, part)),
+                Model::Beam(_) => beams.push((w * v, part)),
+                _ => return Ok(None),
+            }
+        }
+    }
+    if scattered.is_empty() || beams.is_empty() {
+        return Ok(None);
+    }
+    let (scattered, beams) = (Model::mixture(&scattered)?, Model::mixture(&beams)?);
+    Sum::new(vec![(1.0, Arc::new(scattered)), (1.0, Arc::new(beams))]).map(|sum| Some(Model::Sum(sum)))
 }
 
 /// Tensor trees of one rank, with or without diffusers.

@@ -2,12 +2,13 @@
 //!
 //! * What every model can do: [`Scatterer`]. All of it is written on disks of travel directions
 //!   ([`Disk`](crate::direction::Disk)), for one component: light from one side, transmitted or reflected.
-//! * The models: [`Matrix`] on any pair of angle bases, tensor [`Tree`], [`analytic`] ones, [`Sum`]s; and views of
+//! * The models: [`Matrix`] on any pair of angle bases, tensor [`Tree`], [`analytic`] ones, measured [`Beam`]s, [`Sum`]s; and views of
 //!   another model: [`Turned`], [`Reversed`], [`Separated`].
 //! * A whole data set with its bands, sides and metadata: [`Bsdf`].
 //! * From any model to a table: [`convert`]; to known totals: [`normalise`]; to a reciprocal one: [`reciprocity`].
 
 pub mod analytic;
+mod beam;
 pub mod convert;
 mod data;
 mod lobes;
@@ -28,6 +29,7 @@ pub mod tree;
 mod turned;
 
 pub use analytic::{Lambertian, Specular};
+pub use beam::{Beam, Cells};
 pub use data::{Band, Bsdf, Component, Outcome};
 pub use lobes::{LobeSample, Lobes};
 pub use matrix::Matrix;

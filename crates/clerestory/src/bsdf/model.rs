@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::{
-    Estimate, Lambertian, Matrix, Part, Peak, Region, Reversed, Sample, Scatterer, Separated, Specular, Sum, Tree,
-    Turn, Turned,
+    Beam, Estimate, Lambertian, Matrix, Part, Peak, Region, Reversed, Sample, Scatterer, Separated, Specular, Sum,
+    Tree, Turn, Turned,
 };
 use crate::direction::Disk;
 use crate::error::{Error, Result};
@@ -20,6 +20,8 @@ pub enum Model {
     Lambertian(Lambertian),
     /// Ideal beam.
     Specular(Specular),
+    /// Beam that keeps its disk point, with a value and a standard error for each incident patch.
+    Beam(Beam),
     /// Weighted sum.
     Sum(Sum),
     /// Turned or mirrored.
@@ -37,6 +39,7 @@ macro_rules! each {
             Model::Tree($model) => $body,
             Model::Lambertian($model) => $body,
             Model::Specular($model) => $body,
+            Model::Beam($model) => $body,
             Model::Sum($model) => $body,
             Model::Turned($model) => $body,
             Model::Reversed($model) => $body,
@@ -87,6 +90,7 @@ impl Model {
             Self::Tree(_) => "tensor tree",
             Self::Lambertian(_) => "Lambertian",
             Self::Specular(_) => "specular",
+            Self::Beam(_) => "beam",
             Self::Sum(_) => "sum",
             Self::Turned(_) => "turned",
             Self::Reversed(_) => "reversed",
@@ -116,6 +120,7 @@ impl Model {
             Self::Specular(Specular::Pane(..)) | Self::Separated(_) => {
                 Self::Sum(Sum::new(vec![(factor, Arc::new(self.clone()))])?)
             }
+            Self::Beam(b) => Self::Beam(b.scaled(|_| factor)),
             Self::Sum(s) => Self::Sum(Sum::new(
                 s.parts().iter().map(|(w, m)| (w * factor, m.clone())).collect(),
             )?),
@@ -136,6 +141,7 @@ impl Model {
             Self::Lambertian(_) | Self::Specular(Specular::Constant(_) | Specular::Angular(_) | Specular::Pane(..)) => {
                 Some(self.clone())
             }
+            Self::Beam(b) => b.turned(turn).map(Self::Beam),
             Self::Turned(t) => Some(t.base().turned(turn.after(t.turn()))),
             Self::Sum(s) => Some(Self::Sum(s.map(|m| m.turned(turn)))),
             Self::Specular(Specular::Patches { .. }) | Self::Reversed(_) | Self::Separated(_) => None,
@@ -166,6 +172,9 @@ impl Model {
                         })
                     },
                 ),
+            Self::Beam(b) => b
+                .reversed()
+                .map_or_else(|| self.turned(Turn::new(std::f64::consts::PI, false)), Self::Beam),
             Self::Sum(s) => Self::Sum(s.map(Self::reciprocal)),
             Self::Turned(t) => Self::Turned(Turned::new(Arc::new(t.base().reciprocal()), t.turn())),
             Self::Reversed(r) => (**r.base()).clone(),

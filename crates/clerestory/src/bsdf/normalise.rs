@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Bsdf, Matrix, Model, Part, Scatterer, Separated, Specular, Sum};
+use super::{Bsdf, Cells, Matrix, Model, Part, Scatterer, Separated, Specular, Sum};
 use crate::basis::Basis;
 use crate::direction::{Scatter, Side};
 use crate::error::{Error, Result};
@@ -121,7 +121,7 @@ fn scale(model: &Model, basis: &Arc<Basis>, factors: &[f64], part: Part) -> Resu
                 .collect::<Result<_>>()?;
             Model::Sum(Sum::new(parts)?)
         }
-        Model::Specular(_) if part == Part::Scattered => model.clone(),
+        Model::Specular(_) | Model::Beam(_) if part == Part::Scattered => model.clone(),
         Model::Matrix(_) | Model::Tree(_) | Model::Lambertian(_) if part == Part::Direct => model.clone(),
         Model::Separated(s) if part == Part::All => {
             Model::Separated(Separated::new(Arc::new(scale(s.base(), basis, factors, part)?))?)
@@ -130,7 +130,8 @@ fn scale(model: &Model, basis: &Arc<Basis>, factors: &[f64], part: Part) -> Resu
             model.scaled(factors[0])?
         }
         Model::Matrix(m) if m.incident() == basis => Model::Matrix(m.scaled(|i| factors[i])),
-        Model::Specular(_) => {
+        Model::Beam(b) if *b.cells() == Cells::Patches(basis.clone()) => Model::Beam(b.scaled(|i| factors[i])),
+        Model::Specular(_) | Model::Beam(_) => {
             let value = |patch: usize| factors[patch] * mean_total(model, basis, patch, Part::Direct);
             Model::Specular(Specular::patches(basis.clone(), (0..basis.len()).map(value).collect())?)
         }

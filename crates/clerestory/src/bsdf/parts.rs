@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use super::{Component, Lambertian, Matrix, Model, Rank, Reversed, Separated, Slab, Specular, Sum, Tree, Turn, Turned};
+use super::{
+    Beam, Cells, Component, Lambertian, Matrix, Model, Rank, Reversed, Separated, Slab, Specular, Sum, Tree, Turn,
+    Turned,
+};
 use crate::basis::Basis;
 use crate::direction::Scatter;
 use crate::error::{Error, Result};
@@ -33,7 +36,7 @@ pub struct Parts {
 
 impl Parts {
     /// Kinds of models.
-    pub const KINDS: [&'static str; 11] = [
+    pub const KINDS: [&'static str; 13] = [
         "matrix",
         "tree",
         "lambertian",
@@ -41,6 +44,8 @@ impl Parts {
         "specular-angular",
         "specular-patches",
         "pane",
+        "beam",
+        "beam-cells",
         "sum",
         "turned",
         "reversed",
@@ -110,6 +115,22 @@ impl Parts {
         basis.ok_or_else(|| self.broken(&format!("{} angle bases are too few", self.bases.len())))
     }
 
+    fn get_rank(&self) -> Result<Rank> {
+        match self.get_number("rank")? {
+            3.0 => Ok(Rank::Isotropic),
+            4.0 => Ok(Rank::Anisotropic),
+            other => Err(self.broken(&format!("its rank is {other}, not 3 or 4"))),
+        }
+    }
+
+    fn beam(&self, cells: Cells) -> Result<Beam> {
+        let beam = Beam::new(cells, self.floats_there("values")?)?;
+        match self.get_floats("standard_errors")? {
+            Some(errors) => beam.with_standard_errors(errors),
+            None => Ok(beam),
+        }
+    }
+
     fn one_model(&self) -> Result<Component> {
         match self.models.as_slice() {
             [model] => Ok(model.clone()),
@@ -130,8 +151,12 @@ impl Model {
                 let parts = Parts::of("matrix")
                     .with_bases(&[m.incident(), m.outgoing()])
                     .floats("values", m.values());
-                match m.standard_errors() {
+                let parts = match m.standard_errors() {
                     Some(errors) => parts.floats("standard_errors", errors),
+                    None => parts,
+                };
+                match m.total_standard_errors() {
+                    Some(errors) => parts.floats("total_standard_errors", errors),
                     None => parts,
                 }
             }
@@ -154,6 +179,19 @@ impl Model {
                 .number("refractive_index", slab.index())
                 .number("internal_transmittance", slab.internal())
                 .number("reflected", f64::from(u8::from(*scatter == Scatter::Reflection))),
+            Self::Beam(b) => {
+                let parts = match b.cells() {
+                    Cells::Patches(basis) => Parts::of("beam").with_bases(&[basis]),
+                    Cells::Tree(rank, levels) => Parts::of("beam-cells")
+                        .number("rank", f64::from(rank.axes()))
+                        .number("levels", f64::from(*levels)),
+                };
+                let parts = parts.floats("values", b.values());
+                match b.standard_errors() {
+                    Some(errors) => parts.floats("standard_errors", errors),
+                    None => parts,
+                }
+            }
             Self::Sum(s) => {
                 let weights: Vec<f64> = s.parts().iter().map(|(w, _)| *w).collect();
                 Parts::of("sum")
@@ -175,17 +213,17 @@ impl Model {
             "matrix" => {
                 let values = parts.floats_there("values")?;
                 let matrix = Matrix::new(parts.get_basis(0)?, parts.get_basis(1)?, values)?;
-                Self::Matrix(match parts.get_floats("standard_errors")? {
+                let matrix = match parts.get_floats("standard_errors")? {
                     Some(errors) => matrix.with_standard_errors(errors)?,
+                    None => matrix,
+                };
+                Self::Matrix(match parts.get_floats("total_standard_errors")? {
+                    Some(errors) => matrix.with_total_standard_errors(errors)?,
                     None => matrix,
                 })
             }
             "tree" => {
-                let rank = match parts.get_number("rank")? {
-                    3.0 => Rank::Isotropic,
-                    4.0 => Rank::Anisotropic,
-                    other => return Err(parts.broken(&format!("its rank is {other}, not 3 or 4"))),
-                };
+                let rank = parts.get_rank()?;
                 let root = parts.get_number("root")?;
                 if !(root.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&root)) {
                     return Err(parts.broken("its root is not an entry"));
@@ -212,6 +250,14 @@ impl Model {
                     Scatter::Transmission
                 };
                 Self::Specular(Specular::Pane(slab, scatter))
+            }
+            "beam" => Self::Beam(parts.beam(Cells::Patches(parts.get_basis(0)?))?),
+            "beam-cells" => {
+                let levels = parts.get_number("levels")?;
+                if !(levels.fract() == 0.0 && (0.0..=10.0).contains(&levels)) {
+                    return Err(parts.broken(&format!("its levels are {levels}, not a whole number up to 10")));
+                }
+                Self::Beam(parts.beam(Cells::Tree(parts.get_rank()?, levels as u32))?)
             }
             "sum" => {
                 let weights = parts.floats_there("weights")?;
@@ -253,9 +299,12 @@ mod tests {
         let basis = Arc::new(Basis::klems_quarter());
         let matrix = Matrix::from_fn(basis.clone(), basis.clone(), |i, o| uniform(1, (i * 41 + o) as u64)).unwrap();
         let errors = (0..41 * 41).map(|k| uniform(2, k)).collect();
-        let matrix = Model::Matrix(matrix.with_standard_errors(errors).unwrap());
+        let matrix = matrix.with_standard_errors(errors).unwrap();
+        let totals = (0..41).map(|k| uniform(4, k)).collect();
+        let matrix = Model::Matrix(matrix.with_total_standard_errors(totals).unwrap());
         let tree = Tree::constant(Rank::Isotropic, 0.25).unwrap();
         let shared = Arc::new(matrix.clone());
+        let beam = Beam::new(Cells::Patches(basis.clone()), vec![0.25; 41]).unwrap();
         vec![
             matrix,
             Model::Tree(tree),
@@ -264,6 +313,8 @@ mod tests {
             Model::Specular(Specular::angular(vec![0.9, 0.8, 0.0]).unwrap()),
             Model::Specular(Specular::patches(basis, (0..41).map(|k| uniform(3, k)).collect()).unwrap()),
             Model::Specular(Specular::Pane(Slab::new(1.52, 0.98).unwrap(), Scatter::Reflection)),
+            Model::Beam(beam.clone().with_standard_errors(vec![0.1; 41]).unwrap()),
+            Model::Beam(Beam::new(Cells::Tree(Rank::Anisotropic, 1), vec![0.1, 0.2, 0.3, 0.4]).unwrap()),
             Model::Sum(Sum::new(vec![(0.3, shared.clone()), (0.2, shared.clone())]).unwrap()),
             Model::Turned(Turned::new(shared.clone(), Turn::new(0.123_456_789, true))),
             Model::Reversed(Reversed::new(shared.clone())),

@@ -72,7 +72,7 @@ impl Distribution {
                 self.join(own);
             }
             Model::Separated(separated) => self.add_separated(separated, incident),
-            Model::Specular(_) => {}
+            Model::Specular(_) | Model::Beam(_) => {}
             _ => self.add_anything(model, incident),
         }
     }

@@ -9,9 +9,9 @@ use crate::geometry::Vec3;
 /// A rough conductor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ggx {
-    reflectance: Vec<f64>,
+    pub(super) reflectance: Vec<f64>,
     /// 0 for a smooth one.
-    roughness: f64,
+    pub(super) roughness: f64,
 }
 
 impl Ggx {

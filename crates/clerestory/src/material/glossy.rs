@@ -27,14 +27,14 @@ const LEAST_FRESNEL: f64 = 0.017_999;
 /// Plastic, metal or trans.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Glossy {
-    colour: Vec<f64>,
-    specularity: f64,
+    pub(super) colour: Vec<f64>,
+    pub(super) specularity: f64,
     /// 0 for a smooth surface.
-    roughness: f64,
-    metal: bool,
-    transmission: f64,
-    transmitted_specularity: f64,
-    haze: Option<Haze>,
+    pub(super) roughness: f64,
+    pub(super) metal: bool,
+    pub(super) transmission: f64,
+    pub(super) transmitted_specularity: f64,
+    pub(super) haze: Option<Haze>,
 }
 
 /// What happens to light: reflected and transmitted, evenly and by the lobe or beam.

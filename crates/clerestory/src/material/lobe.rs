@@ -18,14 +18,14 @@ use crate::geometry::Vec3;
 
 /// How a lobe falls off.
 #[derive(Debug, Clone, PartialEq)]
-enum Shape {
+pub(super) enum Shape {
     Gaussian { width: f64 },
     Abg(Abg),
 }
 
 /// ABg with the integral of it times u, for its inversion.
 #[derive(Debug, Clone, PartialEq)]
-struct Abg {
+pub(super) struct Abg {
     b: f64,
     g: f64,
     /// Distances, from 0 to 2.
@@ -121,11 +121,11 @@ impl Shape {
 /// A lobe, mirrored and straight on, with even scattering.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lobe {
-    shape: Shape,
+    pub(super) shape: Shape,
     /// Hemispherical values by way, a band each.
-    values: [Vec<f64>; 4],
+    pub(super) values: [Vec<f64>; 4],
     /// Integral of the lobe over the disk, at equal steps of the incident cosine.
-    integrals: Vec<f64>,
+    pub(super) integrals: Vec<f64>,
 }
 
 const DIFFUSE_BACK: usize = 0;

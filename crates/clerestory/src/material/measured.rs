@@ -13,10 +13,10 @@ use crate::geometry::Vec3;
 /// taken. What a data set has too little of is absorbed; peaks of its models stay beams.
 #[derive(Debug, Clone)]
 pub struct Measured {
-    lobes: Lobes,
-    components: [Vec<Component>; 2],
-    side: Side,
-    up: Vec3,
+    pub(super) lobes: Lobes,
+    pub(super) components: [Vec<Component>; 2],
+    pub(super) side: Side,
+    pub(super) up: Vec3,
 }
 
 /// Measured data may sum to a little more than 1.

@@ -8,9 +8,9 @@ use crate::geometry::Vec3;
 /// Materials and their shares, which sum to 1 at most; the rest is black.
 #[derive(Debug, Clone)]
 pub struct Mixture {
-    shares: Vec<f64>,
-    sum: f64,
-    parts: Vec<Material>,
+    pub(super) shares: Vec<f64>,
+    pub(super) sum: f64,
+    pub(super) parts: Vec<Material>,
 }
 
 impl Mixture {

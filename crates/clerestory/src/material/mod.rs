@@ -19,6 +19,7 @@ mod measured;
 mod medium;
 mod microfacet;
 mod mixture;
+mod padding;
 mod pane;
 mod polarisation;
 mod rough_interface;

@@ -39,7 +39,7 @@ pub struct Flux {
 ///
 /// Fails for a matrix on other patches: a person must choose how to convert that.
 pub fn on_basis(model: &Arc<Model>, basis: &Arc<Basis>, notes: &mut Vec<String>) -> Result<Arc<Model>> {
-    let beam = |m: &Model| matches!(m, Model::Specular(_));
+    let beam = |m: &Model| matches!(m, Model::Specular(_) | Model::Beam(_));
     match &**model {
         Model::Matrix(matrix) => match [matrix.incident(), matrix.outgoing()].into_iter().find(|b| *b != basis) {
             None => Ok(model.clone()),
@@ -49,7 +49,7 @@ pub fn on_basis(model: &Arc<Model>, basis: &Arc<Basis>, notes: &mut Vec<String>)
                 basis.name()
             ))),
         },
-        Model::Lambertian(_) | Model::Specular(_) => Ok(model.clone()),
+        Model::Lambertian(_) | Model::Specular(_) | Model::Beam(_) => Ok(model.clone()),
         Model::Turned(turned) if beam(turned.base()) => Ok(model.clone()),
         Model::Sum(sum) => {
             let parts = sum
@@ -140,7 +140,7 @@ impl Flux {
                 beam: beam_values(basis, specular, |point| beam.value(point)),
                 scattered: None,
             }),
-            Model::Turned(_) => Ok(Self {
+            Model::Turned(_) | Model::Beam(_) => Ok(Self {
                 beam: beam_values(basis, specular, |point| model.total(point, Part::Direct).value),
                 scattered: None,
             }),

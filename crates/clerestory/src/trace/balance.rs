@@ -1,5 +1,9 @@
 //! Where the traced flux went.
 
+/// One band's flux by what became of it: traced, transmitted, reflected, absorbed, roulette, cut off, lost. The first is the
+/// sum of the others.
+pub type Tallies = [f64; 7];
+
 /// Flux by what became of it, one value a band, in units of one path's flux. `traced` is the sum of all others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Balance<const N: usize> {
@@ -43,6 +47,20 @@ pub(super) fn add<const N: usize>(tally: &mut [f64; N], flux: &[f64; N]) {
 }
 
 impl<const N: usize> Balance<N> {
+    /// The tallies of a band: traced, transmitted, reflected, absorbed, roulette, cut off, lost.
+    pub fn of_band(&self, band: usize) -> Tallies {
+        [
+            &self.traced,
+            &self.transmitted,
+            &self.reflected,
+            &self.absorbed,
+            &self.roulette,
+            &self.cut_off,
+            &self.lost,
+        ]
+        .map(|tally| tally[band])
+    }
+
     /// Takes over another one's flux.
     pub fn merge(&mut self, other: &Self) {
         add(&mut self.traced, &other.traced);

@@ -1,10 +1,12 @@
 //! Paths through a sample, many at a time.
 
 use super::balance::{Balance, add};
-use super::sample::Sample;
+use super::scene::Scene;
 use crate::direction::{Disk, Scatter, Side};
+use crate::error::Result;
 use crate::geometry::{Area, Meeting, NO_PIECE, Ray, Vec3};
 use crate::material::{Arrival, Draws, Polarisation};
+use crate::progress::Progress;
 
 /// When a path ends that neither leaves nor is absorbed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,11 +26,28 @@ impl Default for Limits {
     }
 }
 
+/// A path that leaves the sample.
+pub struct Leaving<'a, const N: usize> {
+    /// Transmitted or reflected.
+    pub scatter: Scatter,
+    /// Direction of travel that it came with.
+    pub incident: Disk,
+    /// Direction of travel that it leaves with.
+    pub outgoing: Disk,
+    /// It is a beam still, straight on or mirrored in the sample's plane.
+    pub beam: bool,
+    /// What it carries, one a band.
+    pub weight: &'a [f64; N],
+    /// Where it was last and where it flies.
+    pub ray: &'a Ray,
+    /// Random numbers that are left.
+    pub draws: Draws,
+}
+
 /// What takes in the light that leaves the sample.
 pub trait Collector<const N: usize> {
-    /// One path: where it came from and goes to, whether it is a beam still straight on or mirrored in the sample's plane,
-    /// and what it carries.
-    fn collect(&mut self, scatter: Scatter, incident: Disk, outgoing: Disk, beam: bool, weight: &[f64; N]);
+    /// One path.
+    fn collect(&mut self, path: &Leaving<'_, N>);
 }
 
 /// A path under way.
@@ -45,12 +64,14 @@ struct Path<const N: usize> {
 
 /// How many paths fly together: enough for batches, few enough for the first level of cache.
 const BATCH: usize = 256;
+/// Rays start at least so far before the sample (metres).
+const CLEAR: f64 = 1e-9;
 /// A beam may stray this far on the disk by rounding.
 const STRAIGHT: f64 = 1e-9;
 
 /// Room for paths, used again and again.
 pub struct Flight<'a, const N: usize> {
-    sample: &'a Sample,
+    scene: &'a Scene<'a>,
     area: Area,
     limits: Limits,
     paths: Vec<Path<N>>,
@@ -60,9 +81,9 @@ pub struct Flight<'a, const N: usize> {
 
 impl<'a, const N: usize> Flight<'a, N> {
     /// Over an area of a sample.
-    pub fn new(sample: &'a Sample, area: Area, limits: Limits) -> Self {
+    pub fn new(scene: &'a Scene<'a>, area: Area, limits: Limits) -> Self {
         Self {
-            sample,
+            scene,
             area,
             limits,
             paths: Vec::with_capacity(BATCH),
@@ -72,6 +93,7 @@ impl<'a, const N: usize> Flight<'a, N> {
     }
 
     /// Sends the paths of a range of indices from one side, in directions that `incident` draws, and collects them.
+    #[allow(clippy::too_many_arguments)] // What is sent, and all that takes it in.
     pub fn run(
         &mut self,
         side: Side,
@@ -80,31 +102,37 @@ impl<'a, const N: usize> Flight<'a, N> {
         incident: impl Fn([f64; 2]) -> Disk,
         collector: &mut impl Collector<N>,
         balance: &mut Balance<N>,
-    ) {
+        progress: &Progress,
+    ) -> Result<()> {
+        let full = self.scene.weights::<N>();
         let mut next = indices.start;
         while next < indices.end {
+            progress.check()?;
             let last = indices.end.min(next + BATCH as u32);
             for index in next..last {
                 self.start(side, Draws::new(key, index), &incident);
             }
-            add(&mut balance.traced, &[f64::from(last - next); N]);
+            add(&mut balance.traced, &full.map(|w| w * f64::from(last - next)));
             next = last;
             while !self.rays.is_empty() {
                 self.advance(side, collector, balance);
             }
         }
+        Ok(())
     }
 
     fn start(&mut self, side: Side, mut draws: Draws, incident: &impl Fn([f64; 2]) -> Disk) {
         let Area { x, y } = self.area;
-        let depth = self.sample.depth();
+        let depth = self.scene.depth;
         let disk = incident([draws.next(), draws.next()]);
         let at = |[low, high]: [f64; 2], u: f64| low + (high - low) * u;
+        // A little before the sample, so that what lies in its first plane is met.
+        let margin = 1e-3 * (depth[1] - depth[0]) + CLEAR;
         let y = at(y, draws.next());
         let x = at(x, draws.next());
         let (z, layer) = match side {
-            Side::Exterior => (depth[0], 0),
-            Side::Interior => (depth[1], self.sample.layers.len() - 1),
+            Side::Exterior => (depth[0] - margin, 0),
+            Side::Interior => (depth[1] + margin, self.scene.sample.layers.len() - 1),
         };
         self.rays.push(Ray {
             origin: Vec3::new(x, y, z),
@@ -112,7 +140,7 @@ impl<'a, const N: usize> Flight<'a, N> {
             piece: NO_PIECE,
         });
         self.paths.push(Path {
-            weight: [1.0; N],
+            weight: self.scene.weights(),
             polarisation: Polarisation::NONE,
             incident: disk,
             draws,
@@ -126,18 +154,18 @@ impl<'a, const N: usize> Flight<'a, N> {
     /// Moves all paths to their next event.
     fn advance(&mut self, side: Side, collector: &mut impl Collector<N>, balance: &mut Balance<N>) {
         let n = self.rays.len();
-        if let [layer] = &self.sample.layers[..] {
+        if let [layer] = &self.scene.sample.layers[..] {
             layer.meet_all(&mut self.rays, &mut self.meetings[..n]);
         } else {
             for k in 0..n {
-                self.meetings[k] = self.sample.layers[usize::from(self.paths[k].layer)].meet(&mut self.rays[k]);
+                self.meetings[k] = self.scene.sample.layers[usize::from(self.paths[k].layer)].meet(&mut self.rays[k]);
             }
         }
         let mut kept = 0;
         for k in 0..n {
             let (ray, path) = (&mut self.rays[k], &mut self.paths[k]);
             if step(
-                self.sample,
+                self.scene,
                 self.limits,
                 side,
                 self.meetings[k],
@@ -159,7 +187,7 @@ impl<'a, const N: usize> Flight<'a, N> {
 /// What happens to a path at its next event; whether it goes on.
 #[allow(clippy::too_many_arguments)] // One place that is called, in the innermost loop.
 fn step<const N: usize>(
-    sample: &Sample,
+    scene: &Scene<'_>,
     limits: Limits,
     side: Side,
     meeting: Meeting,
@@ -176,7 +204,7 @@ fn step<const N: usize>(
         }
         Meeting::Leaves => {
             let beyond = i32::from(path.layer) + if ray.direction.z > 0.0 { 1 } else { -1 };
-            if (0..sample.layers.len() as i32).contains(&beyond) {
+            if (0..scene.sample.layers.len() as i32).contains(&beyond) {
                 path.layer = beyond as u16;
                 ray.piece = NO_PIECE;
                 return true;
@@ -185,7 +213,7 @@ fn step<const N: usize>(
             return false;
         }
     };
-    let medium = &sample.media[usize::from(path.medium)];
+    let medium = &scene.media[usize::from(path.medium)];
     if !medium.is_clear() {
         let before = path.weight;
         let mut absorbed = [0.0; N];
@@ -203,7 +231,7 @@ fn step<const N: usize>(
             balance.roulette[b] += before[b] - absorbed[b] - path.weight[b];
         }
     }
-    let surface = &sample.surfaces[hit.surface as usize];
+    let surface = &scene.sample.surfaces[hit.surface as usize];
     let face = usize::from(ray.direction.dot(hit.normal) > 0.0);
     if surface.media[face] != path.medium {
         // The geometry does not agree on what is inside: a hole, or two bodies that overlap.
@@ -214,11 +242,11 @@ fn step<const N: usize>(
         direction: ray.direction,
         normal: if face == 0 { hit.normal } else { -hit.normal },
         here: medium,
-        beyond: &sample.media[usize::from(surface.media[1 - face])],
+        beyond: &scene.media[usize::from(surface.media[1 - face])],
     };
     let before = path.weight;
     let mut absorbed = [0.0; N];
-    let material = &sample.materials[surface.materials[face] as usize];
+    let material = &scene.materials[surface.materials[face] as usize];
     let departure = material.scatter(
         &arrival,
         &mut path.weight,
@@ -305,5 +333,13 @@ fn leave<const N: usize>(
         Scatter::Transmission => add(&mut balance.transmitted, &path.weight),
         Scatter::Reflection => add(&mut balance.reflected, &path.weight),
     }
-    collector.collect(scatter, path.incident, outgoing, beam, &path.weight);
+    collector.collect(&Leaving {
+        scatter,
+        incident: path.incident,
+        outgoing,
+        beam,
+        weight: &path.weight,
+        ray,
+        draws: path.draws,
+    });
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Sampling, to_matrix};
 use crate::basis::{Basis, Ring};
-use crate::bsdf::{Model, Rank, Specular};
+use crate::bsdf::{Cells, Model, Rank, Specular};
 use crate::error::Result;
 use crate::progress::Progress;
 
@@ -46,6 +46,7 @@ pub fn by_construction(model: &Model) -> bool {
     match model {
         Model::Lambertian(_) => true,
         Model::Specular(s) => !matches!(s, Specular::Patches { .. }),
+        Model::Beam(b) => matches!(b.cells(), Cells::Tree(Rank::Isotropic, _)),
         Model::Tree(t) => t.rank() == Rank::Isotropic,
         Model::Sum(s) => s.parts().iter().all(|(_, m)| by_construction(m)),
         Model::Turned(t) => by_construction(t.base()),

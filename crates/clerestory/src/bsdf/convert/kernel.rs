@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::leaves;
 use super::overlap::shares;
 use super::points::Points;
-use crate::bsdf::{Matrix, Model, Part, Scatterer, Specular, Turn};
+use crate::bsdf::{Beam, Cells, Matrix, Model, Part, Scatterer, Specular, Turn};
 use crate::direction::Disk;
 use crate::error::Result;
 use crate::progress::Progress;
@@ -44,7 +44,7 @@ pub fn steps(model: &Model, incident: usize) -> usize {
         Model::Turned(t) => steps(t.base(), incident),
         Model::Matrix(_) | Model::Lambertian(_) | Model::Specular(Specular::Constant(_)) => 0,
         Model::Tree(t) if t.depth() <= leaves::MAX_DEPTH => 0,
-        Model::Tree(_) | Model::Specular(_) | Model::Reversed(_) | Model::Separated(_) => incident,
+        Model::Tree(_) | Model::Specular(_) | Model::Beam(_) | Model::Reversed(_) | Model::Separated(_) => incident,
     }
 }
 
@@ -68,7 +68,8 @@ pub fn means(model: &Model, turn: Turn, incident: &Points, outgoing: &Points, pr
         Model::Tree(tree) if tree.depth() <= leaves::MAX_DEPTH => {
             leaves::means(tree, turn, &incident.basis, &outgoing.basis, progress).map(Means::exact)
         }
-        Model::Tree(_) | Model::Specular(_) | Model::Reversed(_) | Model::Separated(_) => {
+        Model::Beam(beam) if turn == Turn::NONE && on_patches(beam, incident, outgoing) => Ok(of_beam(beam, outgoing)),
+        Model::Tree(_) | Model::Specular(_) | Model::Beam(_) | Model::Reversed(_) | Model::Separated(_) => {
             of_points(model, turn, incident, outgoing, progress)
         }
     }
@@ -100,6 +101,29 @@ fn of_matrix(matrix: &Matrix, turn: Turn, incident: &Points, outgoing: &Points) 
     means
 }
 
+/// Whether the patches of both sides are those of a beam.
+fn on_patches(beam: &Beam, incident: &Points, outgoing: &Points) -> bool {
+    let same = |points: &Points| *beam.cells() == Cells::Patches(points.basis.clone());
+    same(incident) && same(outgoing)
+}
+
+/// A beam that keeps its patch.
+fn of_beam(beam: &Beam, outgoing: &Points) -> Means {
+    let n = outgoing.basis.len();
+    let diagonal = |value: &dyn Fn(usize, f64) -> f64| {
+        let mut all = vec![0.0; n * n];
+        for p in 0..n {
+            all[p * n + p] = value(p, outgoing.basis.projected_solid_angle(p));
+        }
+        all
+    };
+    let mut means = Means::exact(diagonal(&|p, area| beam.values()[p] / area));
+    means.variance = beam
+        .standard_errors()
+        .map(|errors| diagonal(&|p, area| (errors[p] / area).powi(2)));
+    means
+}
+
 /// An ideal beam of one value: what leaves into a patch is what the incident patch shares with it.
 fn of_constant_beam(value: f64, incident: &Points, outgoing: &Points) -> Means {
     let mut values = Vec::with_capacity(incident.basis.len() * outgoing.basis.len());
@@ -117,7 +141,7 @@ fn of_constant_beam(value: f64, incident: &Points, outgoing: &Points) -> Means {
 fn of_points(model: &Model, turn: Turn, incident: &Points, outgoing: &Points, progress: &Progress) -> Result<Means> {
     let back = turn.inverse();
     let to: Vec<Disk> = outgoing.all().iter().map(|&p| back.apply(p)).collect();
-    let beam_only = matches!(model, Model::Specular(_));
+    let beam_only = matches!(model, Model::Specular(_) | Model::Beam(_));
     let n = incident.count;
     rows(incident, outgoing, progress, |i, halves| {
         for (k, &point) in incident.of(i).iter().enumerate() {

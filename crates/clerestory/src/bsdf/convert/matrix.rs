@@ -37,7 +37,7 @@ pub fn to_matrix(
     progress: &Progress,
 ) -> Result<Conversion> {
     sampling.check(incident.len() + outgoing.len())?;
-    let model = &model.unseparated();
+    let model = &model.without_separated();
     if let Model::Matrix(m) = model
         && m.incident() == incident
         && m.outgoing() == outgoing

@@ -42,7 +42,7 @@ pub fn to_tree(
     reduction: Option<f64>,
     progress: &Progress,
 ) -> Result<TreeConversion> {
-    let model = &model.unseparated();
+    let model = &model.without_separated();
     if rank == Rank::Isotropic {
         let measured = anisotropy(model, progress)?;
         if measured > MAX_ANISOTROPY {
@@ -103,7 +103,7 @@ fn beam_in_cell(model: &Model, i: Disk, outgoing: Disk, (sin, cos): (f64, f64), 
 
 fn has_beams(model: &Model) -> bool {
     match model {
-        Model::Specular(_) | Model::Separated(_) => true,
+        Model::Specular(_) | Model::Beam(_) | Model::Separated(_) => true,
         Model::Sum(s) => s.parts().iter().any(|(_, m)| has_beams(m)),
         Model::Turned(t) => has_beams(t.base()),
         Model::Matrix(_) | Model::Tree(_) | Model::Lambertian(_) | Model::Reversed(_) => false,

@@ -11,6 +11,7 @@
 
 mod assembler;
 mod backwards;
+mod beam;
 mod build;
 mod cells;
 mod code;
@@ -18,7 +19,7 @@ mod combine;
 mod reduce;
 mod sampling;
 #[cfg(test)]
-mod testing;
+pub(super) mod testing;
 mod text;
 
 use std::f64::consts::PI;

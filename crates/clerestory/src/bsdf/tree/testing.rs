@@ -23,7 +23,7 @@ impl Stream {
 }
 
 /// A tree of leaves of several sizes, some of them zero, with values from 0 to 1 and some much larger ones.
-pub(super) fn random(rank: Rank, depth: u32, seed: u64) -> Tree {
+pub(in crate::bsdf) fn random(rank: Rank, depth: u32, seed: u64) -> Tree {
     fn node(rank: Rank, left: u32, stream: &mut Stream, entries: &mut Vec<u32>) -> u32 {
         if left == 0 || (stream.next() < 0.4 && !entries.is_empty()) {
             let value = match stream.next() {

@@ -77,6 +77,11 @@ fn unseparated(model: &Model, what: impl Fn() -> String, notes: &mut Vec<String>
             notes.push(format!("peaks of {} are written unseparated", what()));
             unseparated(separated.base(), what, notes)
         }
+        // A table and the beams that were measured beside it.
+        Model::Sum(_) if matches!(model.unseparated(), Model::Matrix(_) | Model::Tree(_)) => {
+            notes.push(format!("beams of {} are written as part of the table", what()));
+            unseparated(&model.unseparated(), what, notes)
+        }
         other => Err(Error::Unsupported(format!(
             "{} is a {} model, which XML cannot hold (convert it to an angle basis or a tensor tree first)",
             what(),
