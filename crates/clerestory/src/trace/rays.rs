@@ -219,7 +219,7 @@ mod tests {
             ];
             let end = if *back { -0.04 } else { 0.04 };
             assert!(
-                (z - end).abs() < 1e-12 && (dz > 0.0) != *back && (0.0..0.072).contains(&y),
+                (z - end).abs() < 1e-6 && (dz > 0.0) != *back && (0.0..0.072).contains(&y),
                 "{y} {z} {dz}"
             );
         }

@@ -10,7 +10,7 @@ use crate::progress::Progress;
 
 /// Straight stretches of one material, repeated along y.
 pub fn stretches(pieces: &[[[f64; 2]; 2]], period: f64, material: Material, bands: usize) -> Sample {
-    let pieces = pieces
+    let pieces: Vec<Piece> = pieces
         .iter()
         .map(|&[from, to]| Piece {
             from,
@@ -60,9 +60,36 @@ pub fn sheet(material: Material, bands: usize) -> Sample {
     )
 }
 
-/// Nothing at all, but for the depth of it.
+/// Nothing, 10 cm deep and wide.
+struct Nothing;
+
+impl Geometry for Nothing {
+    fn depth(&self) -> [f64; 2] {
+        [0.0, 0.1]
+    }
+
+    fn period(&self) -> [f64; 2] {
+        [0.1; 2]
+    }
+
+    fn area(&self) -> Area {
+        Area {
+            x: [0.0, 0.1],
+            y: [0.0, 0.1],
+        }
+    }
+
+    fn meet(&self, _: &mut Ray) -> Meeting {
+        Meeting::Leaves
+    }
+}
+
+/// No sample at all.
 pub fn empty() -> Sample {
-    stretches(&[], 0.1, Material::Black, 1)
+    Sample {
+        layers: vec![Box::new(Nothing)],
+        ..sheet(Material::Black, 1)
+    }
 }
 
 /// Stops the work after a number of rays.
