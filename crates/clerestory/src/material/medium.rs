@@ -7,6 +7,9 @@ use super::{Draws, check};
 use crate::error::Result;
 use crate::geometry::Vec3;
 
+/// Beyond this, scattering is a beam.
+const MOST_ASYMMETRY: f64 = 0.9999;
+
 /// What fills the space between surfaces. One value a band each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Medium {
@@ -16,7 +19,7 @@ pub struct Medium {
     pub absorption: Vec<f64>,
     /// Scattering coefficient (1/m).
     pub scattering: Vec<f64>,
-    /// Mean cosine of the angle of a scattering event, -1 to 1: g of the phase function of Henyey and Greenstein (1941).
+    /// Mean cosine of the angle of a scattering event: g of the phase function of Henyey and Greenstein (1941).
     pub asymmetry: Vec<f64>,
 }
 
@@ -50,7 +53,7 @@ impl Medium {
         check::within(kind, parameters[0], 1.0, 10.0)?;
         check::within(kind, parameters[1], 0.0, f64::INFINITY)?;
         check::within(kind, parameters[2], 0.0, f64::INFINITY)?;
-        check::within(kind, parameters[3], -1.0, 1.0)?;
+        check::within(kind, parameters[3], -MOST_ASYMMETRY, MOST_ASYMMETRY)?;
         Ok(Self {
             index: index.to_vec(),
             absorption: absorption.to_vec(),

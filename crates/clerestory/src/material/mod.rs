@@ -183,7 +183,12 @@ impl Material {
 
     /// Border of two media whose facets have the distribution GGX: roughness (alpha of Walter et al. 2007), 0 for a smooth one.
     pub fn rough_interface(roughness: f64) -> Result<Self> {
-        check::number("rough interface", "roughness", roughness, 0.0, 1.0).map(Self::RoughInterface)
+        check::number("rough interface", "roughness", roughness, 0.0, 1.0)?;
+        Ok(if roughness <= microfacet::SMOOTH {
+            Self::Interface
+        } else {
+            Self::RoughInterface(roughness)
+        })
     }
 
     /// Conductor whose facets have the distribution GGX: reflectance of a facet at normal incidence, one a band, and
@@ -231,8 +236,8 @@ impl Material {
 /// What materials do.
 impl Material {
     /// One way on for light, drawn at random. `weight` is what the light carries; it is multiplied so that its mean is what
-    /// goes on, `polarisation` becomes what leaves, and `absorbed` is set to what stays, the same mean exactly known where there is a formula. None when
-    /// nothing goes on.
+    /// goes on, `polarisation` becomes what leaves, and `absorbed` is set to what stays, the same mean exactly known where
+    /// there is a formula. None when nothing goes on.
     pub fn scatter<const N: usize>(
         &self,
         arrival: &Arrival<'_>,
