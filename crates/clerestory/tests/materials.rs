@@ -119,7 +119,7 @@ fn at(disk: Disk, passes: bool) -> Vec3 {
     s * disk.x + t * disk.y + NORMAL * z
 }
 
-fn arrival<'a>(theta_deg: f64, media: &'a [Medium; 2]) -> Arrival<'a> {
+fn arrival(theta_deg: f64, media: &[Medium; 2]) -> Arrival<'_> {
     Arrival {
         direction: -at(Disk::from_angles(theta_deg.to_radians(), 2.1), false),
         normal: NORMAL,
@@ -204,12 +204,11 @@ fn drawn(case: &Case, arrival: &Arrival<'_>, key: u64) -> Drawn {
         if departure.is_none() {
             weight = [0.0; N];
         }
-        for b in 0..N {
-            assert!(weight[b].is_finite() && weight[b] >= 0.0, "{}", case.name);
-            let all = weight[b] + absorbed[b];
-            result.absorbed[b] += absorbed[b] / n;
-            result.kept[b][0] += all / n;
-            result.kept[b][1] += all * all / n;
+        for (b, (w, a)) in weight.iter().zip(&absorbed).enumerate() {
+            assert!(w.is_finite() && *w >= 0.0, "{}", case.name);
+            result.absorbed[b] += a / n;
+            result.kept[b][0] += (w + a) / n;
+            result.kept[b][1] += (w + a).powi(2) / n;
         }
         let Some(departure) = departure else { continue };
         let cos = departure.direction.dot(NORMAL);
