@@ -1,15 +1,13 @@
 //! Slabs of absorbing and scattering volumes against closed forms, published values and the integral equation of transfer.
 
-use std::f64::consts::PI;
 use std::sync::Arc;
 
 use clerestory::basis::Basis;
-use clerestory::bsdf::{Part, Scatterer};
 use clerestory::direction::{Scatter, Side};
 use clerestory::geometry::{Area, Geometry, Hit, Meeting, Ray, Vec3};
 use clerestory::material::{Draws, Material, Medium, Surface};
 use clerestory::progress::Progress;
-use clerestory::trace::{Goniophotometer, Limits, Sample};
+use clerestory::trace::{Goniophotometer, Sample, Settings, State, Stop};
 
 /// Planes at z = 0 and z = 1 m that bound a slab.
 struct Slab;
@@ -67,31 +65,26 @@ fn slab(medium: Medium) -> (Vec<[f64; 2]>, Vec<[f64; 7]>) {
     };
     let basis = Arc::new(Basis::klems_full());
     let instrument = Goniophotometer {
-        incident: basis.clone(),
-        outgoing: basis.clone(),
-        sides: vec![Side::Interior],
-        replications: 16,
-        paths: 256,
-        seed: 1,
-        limits: Limits::default(),
+        settings: Settings {
+            sides: vec![Side::Interior],
+            stop: Stop::Paths(4096),
+            seed: 1,
+            ..Settings::default()
+        },
     };
-    let measured = instrument.measure(&sample, &Progress::default()).expect("it runs");
+    let (mut state, progress) = (State::new(""), Progress::default());
+    let measured = instrument
+        .matrices(&sample, &basis, &basis, &mut state, &progress)
+        .expect("it runs");
     let values = sample
         .bands
         .iter()
         .map(|band| {
             Scatter::BOTH.map(|scatter| {
-                let model = measured
-                    .bsdf
-                    .component(Some(band), Side::Interior, scatter)
-                    .expect("is there");
-                let sum: f64 = (0..basis.len())
-                    .map(|p| {
-                        let total = model.component.total(basis.centre(p), Part::All).value;
-                        basis.projected_solid_angle(p) * total
-                    })
-                    .sum();
-                sum / PI
+                let totals = measured.totals.iter().find(|t| t.band == *band && t.scatter == scatter);
+                let estimate = totals.expect("is there").hemispherical.expect("from all directions");
+                assert!(estimate.standard_error.expect("has one") < 1e-3);
+                estimate.value
             })
         })
         .collect();
