@@ -32,7 +32,14 @@ pub struct Basis {
     outer_sin2: Vec<f64>,
     /// Index of each ring's first patch, and the number of patches at the end.
     first: Vec<usize>,
+    /// Patches of each ring, as a number.
+    counts: Vec<f64>,
+    /// The ring in which each of equal steps of sin² begins.
+    steps: [u16; STEPS],
 }
+
+/// Steps of sin² in the table that finds rings.
+const STEPS: usize = 256;
 
 impl PartialEq for Basis {
     /// Same patches; the name does not matter.
@@ -64,6 +71,9 @@ impl Basis {
                 inner.lower_deg, outer.upper_deg
             ));
         }
+        if rings.len() > usize::from(u16::MAX) {
+            return fail(format!("it has {} rings", rings.len()));
+        }
         for (k, ring) in rings.iter().enumerate() {
             if !(ring.upper_deg > ring.lower_deg && ring.nominal_deg.is_finite()) {
                 return fail(format!(
@@ -91,11 +101,18 @@ impl Basis {
         for ring in &rings {
             first.push(first[first.len() - 1] + ring.count);
         }
+        let last = rings.len() - 1;
+        let steps = std::array::from_fn(|k| {
+            let begins = k as f64 / STEPS as f64;
+            outer_sin2[..last].partition_point(|&limit| begins >= limit) as u16
+        });
         Ok(Self {
             name,
+            counts: rings.iter().map(|r| r.count as f64).collect(),
             rings,
             outer_sin2,
             first,
+            steps,
         })
     }
 
@@ -260,17 +277,36 @@ impl Basis {
     }
 
     /// 0-based patch of a disk point. A ring's outer limit belongs to the next ring.
+    #[inline]
     pub fn patch_of(&self, point: Disk) -> usize {
-        let sin2 = point.sin2_theta();
-        let ring = self.outer_sin2[..self.rings.len() - 1].partition_point(|&limit| sin2 >= limit);
-        let count = self.rings[ring].count;
-        if count == 1 {
+        let ring = self.ring_of(point.sin2_theta());
+        let count = self.counts[ring];
+        if count == 1.0 {
             return self.first[ring];
         }
-        let cell = (point.y.atan2(point.x) * (count as f64 / TAU) + 0.5).floor();
-        // atan2 is in [-π, π]: one wrap is enough.
-        let cell = if cell < 0.0 { cell + count as f64 } else { cell } as usize;
+        // The azimuth to a few digits does, but where a border is near. One turn more makes it positive.
+        let place = (rough_turns(point) + 1.0) * count + 0.5;
+        let whole = place as u32;
+        let from_middle = (place - f64::from(whole) - 0.5).abs();
+        let cell = if from_middle < 0.5 - ROUGH * count {
+            whole as usize
+        } else {
+            exact_cell(point, count)
+        };
+        // Azimuths are in [-π, π]: one wrap is enough.
+        let count = count as usize;
         self.first[ring] + if cell >= count { cell - count } else { cell }
+    }
+
+    /// The ring of a squared sine.
+    #[inline]
+    fn ring_of(&self, sin2: f64) -> usize {
+        let last = self.rings.len() - 1;
+        let mut ring = usize::from(self.steps[((sin2 * STEPS as f64) as usize).min(STEPS - 1)]);
+        while ring < last && sin2 >= self.outer_sin2[ring] {
+            ring += 1;
+        }
+        ring
     }
 
     /// Ring and cell within it of a patch.
@@ -401,10 +437,94 @@ impl Basis {
     }
 }
 
+/// The cell of a ring of `count` that a disk point is in, plus `count`.
+#[cold]
+fn exact_cell(point: Disk, count: f64) -> usize {
+    ((point.y.atan2(point.x) * (count / TAU) + 0.5).floor() + count) as usize
+}
+
+/// More than the error of [`rough_turns`].
+const ROUGH: f64 = 2e-6;
+
+/// Azimuth of a disk point in turns, -1/2 to 1/2, to 1e-5 radians; not a number at the normal. The polynomial is number
+/// 4.4.49 of Abramowitz and Stegun (1964), Handbook of Mathematical Functions.
+#[inline]
+fn rough_turns(point: Disk) -> f64 {
+    let (x, y) = (point.x.abs(), point.y.abs());
+    let t = x.min(y) / x.max(y);
+    let s = t * t;
+    let angle = t * (0.999_866_0 + s * (-0.330_299_5 + s * (0.180_141_0 + s * (-0.085_133_0 + s * 0.020_835_1))));
+    let turns = angle * (1.0 / TAU);
+    let turns = if y > x { 0.25 - turns } else { turns };
+    let turns = if point.x < 0.0 { 0.5 - turns } else { turns };
+    turns.copysign(point.y)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sequence::r2;
+    use crate::sequence::{r2, uniform};
+
+    /// The patch by the definition.
+    fn defined(basis: &Basis, point: Disk) -> usize {
+        let sin2 = point.sin2_theta();
+        let ring = basis.outer_sin2[..basis.rings.len() - 1].partition_point(|&limit| sin2 >= limit);
+        let count = basis.rings[ring].count;
+        if count == 1 {
+            return basis.first[ring];
+        }
+        let cell = (point.y.atan2(point.x) * (count as f64 / TAU) + 0.5).floor() as isize;
+        basis.first[ring] + cell.rem_euclid(count as isize) as usize
+    }
+
+    #[test]
+    fn patches_are_found_by_the_definition() {
+        let mut bases = all();
+        bases.push(Basis::reinhart(64).unwrap());
+        for basis in bases {
+            for k in 0..20_000 {
+                let point = Disk::uniform([uniform(1, 2 * k), uniform(1, 2 * k + 1)]);
+                assert_eq!(
+                    basis.patch_of(point),
+                    defined(&basis, point),
+                    "{} {point:?}",
+                    basis.name()
+                );
+            }
+            // On borders and next to them, on the axes, at the normal and at the edge.
+            for patch in (0..basis.len()).step_by(1 + basis.len() / 2000) {
+                let ([t0, t1], [p0, p1]) = basis.limits(patch);
+                for theta in [t0, t0 + 1e-13, t1 - 1e-13, 0.5 * (t0 + t1)] {
+                    for phi in [p0, p0 + 1e-13, p0 - 1e-13, p1, p1 - 1e-6, p0 + 1e-5] {
+                        let point = Disk::from_angles(theta, phi);
+                        assert_eq!(basis.patch_of(point), defined(&basis, point));
+                    }
+                }
+            }
+            for (x, y) in [
+                (0.0, 0.0),
+                (-0.0, 0.0),
+                (0.7, -0.0),
+                (-0.7, -0.0),
+                (-0.7, 0.0),
+                (0.0, 1.0),
+                (-1.0, 0.0),
+                (-0.0, -1.0),
+            ] {
+                let point = Disk { x, y };
+                assert_eq!(basis.patch_of(point), defined(&basis, point), "{x} {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn rough_azimuths_are_as_good_as_told() {
+        for k in 0..100_000 {
+            let phi = (f64::from(k) / 50_000.0 - 1.0) * PI;
+            let error = rough_turns(Disk::from_angles(0.7, phi)) - phi / TAU;
+            assert!((error - error.round()).abs() < 0.95 * ROUGH, "{phi} {error}");
+        }
+    }
 
     fn all() -> Vec<Basis> {
         vec![
