@@ -16,6 +16,8 @@ pub use mesh::{Element, Extent, Mesh, Scene, Shape};
 pub use profile::{Piece, Profile};
 pub use vector::Vec3;
 
+use crate::error::Result;
+
 /// No piece: the ray starts in free space.
 pub const NO_PIECE: u32 = u32::MAX;
 
@@ -64,6 +66,13 @@ pub struct Area {
 
 /// A shape that rays can meet.
 pub trait Geometry: Send + Sync {
+    /// Checks that what it is made of agrees on what lies between: bodies are closed, and no piece is the wrong way round.
+    /// `media` lists, for each surface, the medium before its front and the one behind its back; medium 0 is about the
+    /// sample. Fails naming the place.
+    fn check_media(&self, _media: &[[u16; 2]]) -> Result<()> {
+        Ok(())
+    }
+
     /// Least and greatest z that anything of it has (metres).
     fn depth(&self) -> [f64; 2];
 

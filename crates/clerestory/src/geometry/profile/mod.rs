@@ -1,7 +1,9 @@
 //! Extruded sections: infinite in x, repeated in y, made of straight segments and exact circular arcs in the (z, y) plane.
 
+mod closed;
 mod few;
 mod lanes;
+mod many;
 mod part;
 mod soundness;
 #[cfg(test)]
@@ -12,6 +14,7 @@ mod tests;
 use pulp::Arch;
 
 use self::few::{BLOCK, Block, FARTHEST, Few, Target};
+use self::many::{Many, Tree};
 use self::part::Part;
 use super::{Area, Geometry, Hit, Meeting, NO_PIECE, Ray, Vec3};
 use crate::error::Result;
@@ -34,10 +37,31 @@ pub struct Piece {
 #[derive(Debug, Clone)]
 pub struct Profile {
     parts: Vec<Part>,
+    /// The first parts, which every ray is tried against.
     targets: Vec<Target>,
+    /// The others.
+    tree: Option<Tree>,
     period: f64,
     depth: [f64; 2],
     arch: Arch,
+}
+
+/// Parts up to which a hierarchy does not pay.
+const FEW: usize = 12;
+/// Of more parts, these many are kept out of the hierarchy at most: those that would widen its boxes.
+const LONG: usize = 4;
+
+/// Sorts parts so that those come first that every ray is to be tried against, and counts these.
+fn put_first(parts: &mut [Part], period: f64) -> usize {
+    let count = if parts.len() <= FEW {
+        parts.len()
+    } else {
+        parts.sort_by(|a, b| b.half.total_cmp(&a.half));
+        parts[..LONG].iter().take_while(|p| p.half > 0.2 * period).count()
+    };
+    // Straight parts are the quicker ones, and what they stop need not be looked for among arcs.
+    parts[..count].sort_by_key(|p| p.curvature != 0.0);
+    count
 }
 
 impl Profile {
@@ -52,14 +76,14 @@ impl Profile {
             .flat_map(|(number, piece)| Part::of(number, piece))
             .collect();
         soundness::crossings(&parts, period)?;
-        // Straight parts are the quicker ones, and what they stop need not be looked for among arcs.
-        parts.sort_by_key(|p| p.curvature != 0.0);
+        let few = put_first(&mut parts, period);
         let low = parts.iter().map(|p| p.z[0]).fold(f64::INFINITY, f64::min);
         let high = parts.iter().map(|p| p.z[1]).fold(f64::NEG_INFINITY, f64::max);
         // Rays start at the end of the depth: not on a piece that lies there.
         let margin = 1e-6 * (high - low).max(period);
         Ok(Self {
-            targets: parts.iter().map(|p| Target::new(p, period)).collect(),
+            tree: Tree::new(&parts, few, period),
+            targets: parts[..few].iter().map(|p| Target::new(p, period)).collect(),
             parts,
             period,
             depth: [low - margin, high + margin],
@@ -87,6 +111,13 @@ impl Profile {
             block: &mut block,
             count: rays.len(),
         });
+        if let Some(tree) = &self.tree {
+            self.arch.dispatch(Many {
+                tree,
+                block: &mut block,
+                count: rays.len(),
+            });
+        }
         for (k, (ray, meeting)) in rays.iter_mut().zip(meetings).enumerate() {
             *meeting = if block.part[k] < 0.0 {
                 self.unmet(ray)
@@ -128,6 +159,10 @@ impl Profile {
 }
 
 impl Geometry for Profile {
+    fn check_media(&self, media: &[[u16; 2]]) -> Result<()> {
+        closed::check(self, media)
+    }
+
     fn depth(&self) -> [f64; 2] {
         self.depth
     }

@@ -7,18 +7,18 @@ use super::part::Part;
 use crate::error::{Error, Result};
 
 /// Pieces and ends nearer than this share of their lengths touch.
-const NEAR: f64 = 1e-9;
+pub(super) const NEAR: f64 = 1e-9;
 /// About a joint, over this share of the shorter piece, no crossing is looked for: pieces may join smoothly there.
 const JOINT: f64 = 1e-4;
 
 type Point = [f64; 2];
 
-fn fail<T>(what: &str, remedy: &str) -> Result<T> {
+pub(super) fn fail<T>(what: &str, remedy: &str) -> Result<T> {
     Err(Error::Argument(format!("profile: {what} ({remedy})")))
 }
 
 /// A place in millimetres, with as many digits as tell it from others nearby.
-fn place([z, y]: Point) -> String {
+pub(super) fn place([z, y]: Point) -> String {
     let short = |m: f64| {
         let text = format!("{:.6}", m * 1e3);
         let text = text.trim_end_matches('0').trim_end_matches('.');

@@ -176,6 +176,66 @@ fn random_sections_are_met_as_in_the_textbook() {
     assert!(hits > 7000 && apart <= 1, "{hits} {apart}");
 }
 
+/// A film of random teeth, some of them round, on a flat sheet.
+fn film(numbers: &mut Numbers, count: u32, scale: f64) -> Vec<Piece> {
+    let heights: Vec<f64> = (0..count).map(|_| numbers.between(0.1, 3.0) * scale).collect();
+    let at = |k: u32| [heights[(k % count) as usize], f64::from(k) * scale];
+    let mut pieces = vec![segment([-scale, 0.0], [-scale, f64::from(count) * scale], 0)];
+    for k in 0..count {
+        let turn = if k % 3 == 0 { numbers.between(-0.3, 0.3) } else { 0.0 };
+        pieces.push(arc(at(k + 1), at(k), turn, k + 1));
+    }
+    pieces
+}
+
+#[test]
+fn many_pieces_are_met_like_few() {
+    let mut numbers = Numbers(9, 0);
+    let mut hits = 0;
+    for (count, scale) in [(12, 1e-6), (40, 50e-6), (301, 0.1)] {
+        let pieces = film(&mut numbers, count, scale);
+        let period = f64::from(count) * scale;
+        let profile = Profile::new(&pieces, period).expect("sound");
+        assert!(profile.tree.is_some());
+        profile.check_media(&vec![[0, 1]; pieces.len()]).expect("closed");
+        // The same parts, every ray tried against every one.
+        let mut slow = profile.clone();
+        slow.tree = None;
+        slow.targets = slow.parts.iter().map(|p| Target::new(p, period)).collect();
+        for _ in 0..3000 {
+            let mut a = Ray {
+                origin: Vec3::new(
+                    0.0,
+                    numbers.between(-1.0, 2.0) * period,
+                    numbers.between(-2.0, 4.0) * scale,
+                ),
+                direction: numbers.direction(),
+                piece: NO_PIECE,
+            };
+            let mut b = a;
+            for _ in 0..4 {
+                match (profile.meet(&mut a), slow.meet(&mut b)) {
+                    (Meeting::Hit(x), Meeting::Hit(y)) => {
+                        hits += 1;
+                        assert_eq!(a.piece, b.piece);
+                        assert!((x.distance - y.distance).abs() < 1e-11 * (y.distance + scale));
+                        assert!((x.normal - y.normal).length() < 1e-9);
+                        b.origin = a.origin;
+                        a.direction = numbers.direction();
+                        b.direction = a.direction;
+                    }
+                    (x, y) => {
+                        assert_eq!(x, y);
+                        break;
+                    }
+                }
+            }
+        }
+        assert_eq!(lost(&profile, 30_000, 1.5), 0);
+    }
+    assert!(hits > 15_000, "{hits}");
+}
+
 #[test]
 fn batches_are_met_like_single_rays() {
     let mut numbers = Numbers(5, 0);
