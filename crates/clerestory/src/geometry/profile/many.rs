@@ -269,7 +269,8 @@ impl Tree {
             (self.bounds.high[0] - ray.z) * per_dz,
         );
         let (enters, leaves) = (a.min(b).max(0.0), a.max(b));
-        if !(enters <= leaves) {
+        let crosses = enters <= leaves; // Not so where something is not a number.
+        if !crosses {
             return;
         }
         // Periods in the order in which the ray reaches them.
@@ -281,7 +282,8 @@ impl Tree {
         let mut copy = (height + enters * slope - reach).ceil();
         let last = height + leaves * slope + reach;
         for _ in 0..FARTHEST {
-            if !(copy <= last && copy - reach - height <= best.way * slope) {
+            let reaches = copy <= last && copy - reach - height <= best.way * slope;
+            if !reaches {
                 return;
             }
             let k = copy * order;
@@ -381,13 +383,14 @@ impl Leaf {
                     ok.select(way, splat(f64::INFINITY)).store(&mut found[0]);
                     along.store(&mut found[1]);
                     across.store(&mut found[2]);
-                    for lane in 0..S::F64_LANES {
-                        if found[0][lane] < best.way {
+                    let [ways, alongs, acrosses] = found;
+                    for (lane, &way) in ways.iter().enumerate().take(S::F64_LANES) {
+                        if way < best.way {
                             *best = Best {
-                                way: found[0][lane],
+                                way,
                                 part: self.number[k + lane],
-                                along: found[1][lane],
-                                across: found[2][lane],
+                                along: alongs[lane],
+                                across: acrosses[lane],
                             };
                         }
                     }

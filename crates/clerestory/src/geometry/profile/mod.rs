@@ -79,14 +79,12 @@ impl Profile {
         let few = put_first(&mut parts, period);
         let low = parts.iter().map(|p| p.z[0]).fold(f64::INFINITY, f64::min);
         let high = parts.iter().map(|p| p.z[1]).fold(f64::NEG_INFINITY, f64::max);
-        // Rays start at the end of the depth: not on a piece that lies there.
-        let margin = 1e-6 * (high - low).max(period);
         Ok(Self {
             tree: Tree::new(&parts, few, period),
             targets: parts[..few].iter().map(|p| Target::new(p, period)).collect(),
             parts,
             period,
-            depth: [low - margin, high + margin],
+            depth: [low, high],
             arch: Arch::new(),
         })
     }

@@ -106,10 +106,11 @@ pub fn crossings(parts: &[Part], period: f64) -> Result<()> {
         let end = part.y[1] + shift + slack;
         for &(_, other_shift, j) in starts[i + 1..].iter().take_while(|o| o.0 <= end) {
             let other = &parts[j];
-            if other.z[0] <= part.z[1] + slack && part.z[0] <= other.z[1] + slack {
-                if let Some(at) = meeting(part, other, other_shift - shift) {
-                    return refuse(part, other, at);
-                }
+            if other.z[0] <= part.z[1] + slack
+                && part.z[0] <= other.z[1] + slack
+                && let Some(at) = meeting(part, other, other_shift - shift)
+            {
+                return refuse(part, other, at);
             }
         }
     }

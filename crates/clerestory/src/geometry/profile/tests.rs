@@ -273,11 +273,8 @@ fn flat_mirrors_pass_what_their_gaps_leave() {
     for k in 0..n {
         let y = (f64::from(k) + 0.5) / f64::from(n) * period;
         let mut r = ray([-1.5, y], [angle.cos(), angle.sin()]);
-        loop {
-            match profile.meet(&mut r) {
-                Meeting::Hit(h) => r.direction = crate::material::mirrored(r.direction, h.normal),
-                _ => break,
-            }
+        while let Meeting::Hit(h) = profile.meet(&mut r) {
+            r.direction = crate::material::mirrored(r.direction, h.normal);
         }
         passed += i32::from(r.direction.z > 0.0);
         downwards += i32::from(r.direction.y < 0.0);
@@ -292,7 +289,7 @@ fn flat_mirrors_pass_what_their_gaps_leave() {
 fn lost(profile: &Profile, n: u32, index: f64) -> u32 {
     let mut numbers = Numbers(6, 0);
     let mut lost = 0;
-    let start = profile.depth()[0];
+    let start = profile.depth()[0] - 0.1 * profile.period;
     for _ in 0..n {
         let direction = numbers.direction();
         let mut r = Ray {
