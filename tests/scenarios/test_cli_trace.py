@@ -21,7 +21,7 @@ def test_a_blind_becomes_an_xml_file(tmp_path, capsys):
     output = tmp_path / "blind.xml"
     code, out, _ = run(capsys, "trace", "flat-blind", "-o", output, "--samples", 64)
     assert code == 0
-    assert re.search(r"visible +exterior +transmission +0\.9\d+ ± 0\.\d+ +0\.4[78]\d+ ± 0\.\d+", out)
+    assert re.search(r"visible +exterior +transmission +[01]\.\d+ ± 0\.\d+ +0\.4\d+ ± 0\.\d+", out)
     assert re.search(r"of all light transmitted 0\.\d+, reflected .*, lost 0$", out, re.MULTILINE)
     assert f"wrote {output}: visible" in out
     bsdf = clerestory.read(output)

@@ -11,11 +11,39 @@ use crate::errors::raise;
 /// How often Python is asked for signals.
 const POLL: Duration = Duration::from_millis(100);
 
+/// What is told of work that goes on.
+pub enum Report<'a> {
+    /// Called with the share that is done.
+    Share(&'a Py<PyAny>),
+    /// Called with that and with the largest error so far, or None.
+    WithError(&'a Py<PyAny>),
+}
+
+impl Report<'_> {
+    fn tell(&self, py: Python<'_>, progress: &Progress) -> PyResult<()> {
+        let share = progress.fraction();
+        match self {
+            Self::Share(call) => call.call1(py, (share,)),
+            Self::WithError(call) => call.call1(py, (share, progress.error())),
+        }
+        .map(|_| ())
+    }
+}
+
 /// Runs `work` without the interpreter lock. Ctrl-C, or an exception from `report`, which is called with the share that is
 /// done, stops it.
 pub fn watched<T: Send>(
     py: Python<'_>,
     report: Option<&Py<PyAny>>,
+    work: impl FnOnce(&Progress) -> clerestory::Result<T> + Send,
+) -> PyResult<T> {
+    watched_by(py, report.map(Report::Share), work)
+}
+
+/// As [`watched`], told as one likes.
+pub fn watched_by<T: Send>(
+    py: Python<'_>,
+    report: Option<Report<'_>>,
     work: impl FnOnce(&Progress) -> clerestory::Result<T> + Send,
 ) -> PyResult<T> {
     let progress = Progress::default();
@@ -36,8 +64,7 @@ pub fn watched<T: Send>(
             if outcome == Err(RecvTimeoutError::Timeout) {
                 done = Some(wait);
                 if stopped.is_none() {
-                    let share = progress.fraction();
-                    let told = report.map_or(Ok(()), |r| r.call1(py, (share,)).map(|_| ()));
+                    let told = report.as_ref().map_or(Ok(()), |r| r.tell(py, &progress));
                     if let Err(error) = py.check_signals().and(told) {
                         progress.stop();
                         stopped = Some(error);

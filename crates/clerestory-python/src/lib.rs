@@ -14,6 +14,7 @@ mod npz;
 mod system;
 mod trace;
 mod trace_material;
+mod trace_measure;
 mod tree;
 mod xml;
 
@@ -36,6 +37,8 @@ mod _core {
     use crate::system::PySystem;
     #[pymodule_export]
     use crate::trace::{PyGeometry, PySample};
+    #[pymodule_export]
+    use crate::trace_measure::PyTraceState;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -14,15 +14,38 @@ use crate::model::PyModel;
 
 /// An array of a model.
 #[derive(FromPyObject)]
-enum GivenArray<'py> {
+pub enum GivenArray<'py> {
+    /// 64-bit numbers.
     Floats(PyReadonlyArray1<'py, f64>),
+    /// 32-bit entries.
     Entries(PyReadonlyArray1<'py, u32>),
 }
 
+/// An array that Python gets.
 #[derive(IntoPyObject)]
-enum TakenArray<'py> {
+pub enum TakenArray<'py> {
+    /// 64-bit numbers.
     Floats(Bound<'py, PyArray1<f64>>),
+    /// 32-bit entries.
     Entries(Bound<'py, PyArray1<u32>>),
+}
+
+/// Arrays of the core for Python.
+pub fn taken(py: Python<'_>, arrays: Vec<(String, Array)>) -> Vec<(String, TakenArray<'_>)> {
+    let take = |array| match array {
+        Array::Floats(v) => TakenArray::Floats(v.to_pyarray(py)),
+        Array::Entries(v) => TakenArray::Entries(v.to_pyarray(py)),
+    };
+    arrays.into_iter().map(|(name, array)| (name, take(array))).collect()
+}
+
+/// Arrays of Python for the core.
+pub fn given(arrays: Vec<(String, GivenArray<'_>)>) -> Vec<(String, Array)> {
+    let give = |array| match array {
+        GivenArray::Floats(v) => Array::Floats(v.as_array().to_vec()),
+        GivenArray::Entries(v) => Array::Entries(v.as_array().to_vec()),
+    };
+    arrays.into_iter().map(|(name, array)| (name, give(array))).collect()
 }
 
 /// Kind, numbers, bases, arrays and models.
@@ -38,18 +61,12 @@ type TakenParts<'py> = (
 impl PyModel {
     fn to_parts<'py>(&self, py: Python<'py>) -> TakenParts<'py> {
         let parts = self.0.to_parts();
-        let arrays = parts.arrays.into_iter().map(|(name, array)| {
-            let array = match array {
-                Array::Floats(v) => TakenArray::Floats(v.to_pyarray(py)),
-                Array::Entries(v) => TakenArray::Entries(v.to_pyarray(py)),
-            };
-            (name, array)
-        });
+        let arrays = taken(py, parts.arrays);
         (
             parts.kind,
             parts.numbers,
             parts.bases.into_iter().map(PyBasis).collect(),
-            arrays.collect(),
+            arrays,
             parts.models.into_iter().map(PyModel).collect(),
         )
     }
@@ -62,18 +79,11 @@ impl PyModel {
         arrays: Vec<(String, GivenArray<'_>)>,
         models: Vec<Bound<'_, PyModel>>,
     ) -> PyResult<Self> {
-        let arrays = arrays.into_iter().map(|(name, array)| {
-            let array = match array {
-                GivenArray::Floats(v) => Array::Floats(v.as_array().to_vec()),
-                GivenArray::Entries(v) => Array::Entries(v.as_array().to_vec()),
-            };
-            (name, array)
-        });
         let parts = Parts {
             kind,
             numbers,
             bases: bases.iter().map(|b| Arc::clone(&b.get().0)).collect(),
-            arrays: arrays.collect(),
+            arrays: given(arrays),
             models: models.iter().map(|m| Arc::clone(&m.get().0)).collect(),
         };
         Model::from_parts(&parts).map(Self::of).map_err(raise)

@@ -4,15 +4,11 @@ use std::sync::Mutex;
 
 use clerestory::geometry::{Geometry, Piece, Profile};
 use clerestory::material::{Material, Medium, Surface};
-use clerestory::trace::{Goniophotometer, Sample, Settings, State, Stop};
+use clerestory::trace::Sample;
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
-use crate::arrays::side;
-use crate::basis::PyBasis;
-use crate::bsdf::PyBsdf;
 use crate::errors::{ClerestoryError, raise};
-use crate::jobs::watched;
 use crate::trace_material::{MaterialSpec, MediumSpec};
 
 /// A shape; the sample that is made with it takes it over.
@@ -60,7 +56,7 @@ impl PyGeometry {
 
 /// A sample to be measured.
 #[pyclass(name = "Sample", frozen, module = "clerestory")]
-pub struct PySample(Sample);
+pub struct PySample(pub Sample);
 
 #[pymethods]
 impl PySample {
@@ -98,38 +94,5 @@ impl PySample {
     /// Least and greatest z (m).
     fn depth(&self) -> [f64; 2] {
         self.0.depth()
-    }
-
-    /// Matrices with standard errors, and the balance of flux by band.
-    #[allow(clippy::too_many_arguments, reason = "keyword arguments of the Python API")]
-    fn measure(
-        &self,
-        py: Python<'_>,
-        incident: &PyBasis,
-        outgoing: &PyBasis,
-        sides: Vec<String>,
-        replications: u32,
-        paths: u32,
-        seed: u64,
-        threads: usize,
-        progress: Option<Py<PyAny>>,
-    ) -> PyResult<(PyBsdf, Vec<[f64; 7]>)> {
-        let instrument = Goniophotometer {
-            settings: Settings {
-                sides: sides.iter().map(|s| side(s)).collect::<PyResult<_>>()?,
-                stop: Stop::Paths(u64::from(paths) * u64::from(replications)),
-                replications,
-                seed,
-                ..Settings::default()
-            },
-        };
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .map_err(|e| ClerestoryError::new_err(format!("{threads} threads cannot be started ({e})")))?;
-        let measured = watched(py, progress.as_ref(), |watch| {
-            pool.install(|| instrument.matrices(&self.0, &incident.0, &outgoing.0, &mut State::new(""), watch))
-        })?;
-        Ok((PyBsdf(measured.bsdf), measured.balance))
     }
 }
