@@ -3,6 +3,7 @@
 Directions are arrays (n, 3), points of the disk of travel arrays (n, 2); angles are radians.
 """
 
+import os
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
@@ -20,6 +21,10 @@ _Report: TypeAlias = tuple[str, Side, Scatter, str, int, float | None, float]
 _Triple: TypeAlias = tuple[float, float, float]
 _Element: TypeAlias = tuple[str, list[tuple[str, str]], str, list[_Element]]
 _Metadata: TypeAlias = tuple[str | None, _Element | None, _Element | None, list[str], list[tuple[str, _Element]]]
+
+_Pair: TypeAlias = tuple[float, float]
+_Totals: TypeAlias = tuple[str, Side, Scatter, list[_Pair], _Pair | None]
+_Scanned: TypeAlias = tuple[str, int, Side, Scatter, list[_Pair], _Pair, _Pair]
 
 __version__: str
 
@@ -130,6 +135,15 @@ class Bsdf:
 class Geometry:
     @staticmethod
     def profile(pieces: _Floats, surfaces: _Entries, period: float) -> Geometry: ...
+    @staticmethod
+    def mesh(
+        scene: Scene,
+        surfaces: list[int],
+        limits: list[list[float]],
+        repeated: list[bool],
+        z: float,
+        media: list[list[int]],
+    ) -> Geometry: ...
 
 class Model:
     @staticmethod
@@ -180,17 +194,45 @@ class Sample:
         media: list[dict[str, list[float]]],
     ) -> Sample: ...
     def depth(self) -> list[float]: ...
-    def measure(
+    def matrices(
         self,
+        settings: dict[str, Any],
         incident: Basis,
         outgoing: Basis,
-        sides: list[Side],
-        replications: int,
+        state: TraceState,
+        progress: Callable[[float, float | None], object] | None,
+    ) -> tuple[Bsdf, list[list[float]], list[_Totals], float, int]: ...
+    def scan(
+        self,
+        settings: dict[str, Any],
+        incident: _Floats,
+        outgoing: Basis,
+        state: TraceState,
+        progress: Callable[[float, float | None], object] | None,
+    ) -> tuple[list[_Scanned], list[list[float]], list[str]]: ...
+    def rays(
+        self,
+        settings: dict[str, Any],
+        incident: _Floats | None,
+        side_name: Side,
         paths: int,
-        seed: int,
-        threads: int,
-        progress: Callable[[float], object] | None,
-    ) -> tuple[Bsdf, list[list[float]]]: ...
+        write: Callable[[_Floats, _Floats, _Floats, _Flags], object],
+        progress: Callable[[float, float | None], object] | None,
+    ) -> list[list[float]]: ...
+
+class Scene:
+    @staticmethod
+    def radiance(path: str | os.PathLike[str], metres_per_unit: float) -> Scene: ...
+    @staticmethod
+    def of_triangles(corners: _Floats, triangles: _Indices, surfaces: _Entries, names: list[str]) -> Scene: ...
+    @property
+    def surfaces(self) -> list[str]: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def materials(self) -> list[tuple[str, str, list[str], list[float], float, str]]: ...
+    def bounds(self) -> list[list[float]] | None: ...
+    def triangles(self) -> tuple[_Floats, _Entries]: ...
+    def round(self) -> list[tuple[str, int, list[float]]]: ...
 
 class System:
     @staticmethod
@@ -201,6 +243,13 @@ class System:
     def basis(self) -> Basis: ...
     def __len__(self) -> int: ...
     def absorptance(self, band: str | None, side_name: str) -> _Floats: ...
+
+class TraceState:
+    def __new__(cls, fingerprint: str) -> TraceState: ...
+    @staticmethod
+    def from_arrays(fingerprint: str, kept: str, arrays: list[tuple[str, _Floats | _Entries]]) -> TraceState: ...
+    def to_arrays(self) -> list[tuple[str, _Floats | _Entries]]: ...
+    def done(self) -> tuple[int, int]: ...
 
 def distances(
     models: list[Model], own: int, incident: _Floats, progress: Callable[[float], object] | None = None

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from clerestory.trace import RecipeError
+from clerestory.trace.bands import Bands
 from clerestory.trace.kinds.blind import Louvre, Slat, VenetianBlind
 from clerestory.trace.kinds.film import PrismaticFilm, Profile
 from clerestory.trace.kinds.panel import Honeycomb, LaserCutPanel, LightShelf, Pane
@@ -20,7 +21,7 @@ from clerestory.trace.workshop import SMOOTH, Workshop
 @pytest.fixture
 def shop(tmp_path):
     specs = {"m": Spec("black", {}), "n": Spec("black", {}), SMOOTH: Spec("interface", {}, opaque=False)}
-    return Workshop(tmp_path, specs, {"air", "acrylic"})
+    return Workshop(tmp_path, specs, {"air": {}, "acrylic": {}}, Bands())
 
 
 def outlines(pieces):

@@ -15,6 +15,7 @@ mod system;
 mod trace;
 mod trace_material;
 mod trace_measure;
+mod trace_scene;
 mod tree;
 mod xml;
 
@@ -39,6 +40,8 @@ mod _core {
     use crate::trace::{PyGeometry, PySample};
     #[pymodule_export]
     use crate::trace_measure::PyTraceState;
+    #[pymodule_export]
+    use crate::trace_scene::PyScene;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -16,7 +16,8 @@ use crate::trace_material::{MaterialSpec, MediumSpec};
 pub struct PyGeometry(Mutex<Option<Box<dyn Geometry>>>);
 
 impl PyGeometry {
-    fn of(geometry: impl Geometry + 'static) -> Self {
+    /// Wraps a shape.
+    pub fn of(geometry: impl Geometry + 'static) -> Self {
         Self(Mutex::new(Some(Box::new(geometry))))
     }
 

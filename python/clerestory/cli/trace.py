@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import sys
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from clerestory.cli.common import (
     JsonOption,
     UsageError,
+    angle_pair,
     note,
+    numbers,
+    one_of,
     print_json,
-    progress,
+    refuse_overwriting,
     say,
     side_of,
     table,
@@ -20,43 +25,92 @@ from clerestory.cli.common import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
     from clerestory.directions import Side
-    from clerestory.trace import Measured, Sample
+    from clerestory.trace import Balance, Measured, Sample, Seen, Settings, State
 
 SUFFIXES = (".xml", ".xml.gz", ".npz")
+SCENES = (".rad", ".obj", ".stl", ".ply")
+UNITS = ("m", "cm", "mm", "um", "inch", "foot")
+RAYS = 100_000
+"""Paths of a ray file by default."""
 
 
 def trace(
     sample: Annotated[
         str | None,
-        typer.Argument(metavar="SAMPLE", help="Recipe (.toml), or the name of one of --list.", show_default=False),
+        typer.Argument(
+            metavar="SAMPLE",
+            help="Recipe (.toml), the name of one of --list, or a scene (.rad, .obj, .stl, .ply).",
+            show_default=False,
+        ),
     ] = None,
     *,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="OUT", help="File to write: .xml, .xml.gz or .bsdf.npz.")
+        Path | None,
+        typer.Option(
+            "-o", "--output", metavar="OUT", help="File to write: .xml, .xml.gz or .bsdf.npz; .csv for a scan."
+        ),
     ] = None,
     basis: Annotated[
-        str, typer.Option(metavar="NAME", help="Directions: klems-full, klems-half, klems-quarter, tregenza, …")
+        str, typer.Option(metavar="NAME", help="klems-full, klems-half, klems-quarter, tregenza, reinhart:N or iea21.")
     ] = "klems-full",
+    incident: Annotated[
+        list[str] | None,
+        typer.Option(metavar="T,P", help="Scan this direction only, into a .csv; above is azimuth 90. Repeatable."),
+    ] = None,
     side: Annotated[
         str | None, typer.Option("--side", metavar="SIDE", help="Trace from one side only; from both by default.")
     ] = None,
-    samples: Annotated[int, typer.Option(metavar="N", min=16, help="Paths an incident direction.")] = 1024,
+    samples: Annotated[int | None, typer.Option(metavar="N", help="Paths an incident direction.")] = None,
+    error: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PCT",
+            help="Trace until the direct-hemispherical values have this standard error; 0.5% by default, within seconds.",
+        ),
+    ] = None,
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Another seed gives an independent result.")] = 1,
     threads: Annotated[
         int | None, typer.Option(metavar="N", min=1, help="Threads; all by default. Results do not depend on it.")
     ] = None,
+    source_cone: Annotated[
+        float, typer.Option(metavar="DEG", help="Full opening angle of the source of a real instrument.")
+    ] = 0.0,
+    detector_cone: Annotated[float, typer.Option(metavar="DEG", help="Full opening angle of its detector.")] = 0.0,
+    reciprocity: Annotated[
+        bool, typer.Option("--reciprocity", help="Average each component with its reverse, for reciprocal samples.")
+    ] = False,
+    rays: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Write the rays that leave: .csv or .npz; from --incident, or diffuse light."
+        ),
+    ] = None,
     plot_geometry: Annotated[
         Path | None,
-        typer.Option(metavar="PICTURE", help="Draw what was understood: .png, .pdf or .svg. No -o, no tracing."),
+        typer.Option(metavar="PICTURE", help="Draw what was understood: .png, .pdf or .svg."),
     ] = None,
+    unit: Annotated[
+        str | None, typer.Option(metavar="UNIT", help="Unit of a scene: m, cm, mm, um, inch or foot.")
+    ] = None,
+    period: Annotated[str | None, typer.Option(metavar="X,Y", help="Period of a scene, in its unit.")] = None,
+    region: Annotated[
+        str | None,
+        typer.Option(metavar="X,X,Y,Y", help="Part of a scene that is not repeated where rays start, in its unit."),
+    ] = None,
+    reflectance: Annotated[
+        float | None, typer.Option(metavar="R", help="Lambertian reflectance of a scene without materials of its own.")
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with what Ctrl-C left behind.")] = False,
     list_all: Annotated[bool, typer.Option("--list", help="List the recipes that come with Clerestory.")] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Trace rays through a sample and write its BSDF, with standard errors.
 
     A recipe is a TOML file that says what the sample looks like and what it is made of; docs/recipes.md has every key.
-    Lengths and angles are in the units that the keys end in. Slats with a positive tilt hang their outer edge down.
+    Ctrl-C keeps what was finished. The same seed gives the same file, whatever the number of threads.
 
     Example: clerestory trace round-robin-blind -o blind.xml
     """
@@ -65,38 +119,283 @@ def trace(
         return
     if sample is None:
         raise UsageError("SAMPLE: none is given (give a recipe, or --list for those that come with Clerestory)")
-    if output is None and plot_geometry is None:
-        raise UsageError("-o: no file to write is given (give one ending in .xml, .xml.gz or .bsdf.npz)")
-    if output is not None and not output.name.lower().endswith(SUFFIXES):
-        raise UsageError(f"{output}: the name does not tell the format (end it with .xml, .xml.gz or .bsdf.npz)")
+    _check_names(output, rays, plot_geometry, scanned=bool(incident))
+    for path in (output, rays, plot_geometry):
+        if path is not None:
+            refuse_overwriting(path, [Path(sample)])
     sides: tuple[Side, ...] = ("exterior", "interior") if side is None else (side_of(side),)
+    listed = [angle_pair(text, "--incident") for text in incident or ()]
+    share = None if error is None else _share(error)
+    if samples is not None and share is not None:
+        raise UsageError("--samples with --error: either the work or the error is given (choose one)")
 
-    from clerestory.trace import load, run
+    from clerestory.trace import Settings
 
-    made = load(sample)
+    settings = Settings(
+        basis=_basis(basis),
+        sides=sides,
+        samples=samples,
+        error=share,
+        seed=seed,
+        threads=threads,
+        source_cone_deg=source_cone,
+        detector_cone_deg=detector_cone,
+        reciprocity=reciprocity,
+    )
+    made = _load(sample, unit, period, region, reflectance)
     for text in made.warnings:
         warn(sample, text)
+    written: list[Path] = []
     if plot_geometry is not None:
         from clerestory.plot.style import save
         from clerestory.trace.picture import geometry
 
         save(geometry(made), plot_geometry)
-    if output is None:
-        if as_json:
-            print_json(_described(made))
+        written.append(plot_geometry)
+    result: dict[str, object] = {"sample": made.name, "bands": made.bands, "warnings": made.warnings}
+    if rays is not None:
+        result["rays"] = _rays(made, settings, listed, sides, rays)
+        written.append(rays)
+    if output is not None:
+        if listed:
+            result |= _scan(made, settings, listed, sides, output, resume=resume, quiet=as_json)
         else:
-            say(f"wrote {plot_geometry}: {made.name}")
-        return
-    with progress("tracing") as done:
-        measured = run(made, basis=basis, sides=sides, samples=samples, seed=seed, threads=threads, progress=done)
-    notes = measured.bsdf.write(output)
+            result |= _measure(made, settings, output, resume=resume, quiet=as_json)
+        written.append(output)
     if as_json:
-        print_json({**_described(made), **_results(measured), "output": output, "notes": notes})
+        print_json({**result, "written": written})
         return
-    for text in notes:
-        note(f"note: {output}: {text}")
-    say(_summary(measured))
-    say(f"wrote {output}: {', '.join(measured.bsdf.bands)}")
+    say(f"wrote {', '.join(str(path) for path in written)}: {made.name}")
+
+
+def _check_names(output: Path | None, rays: Path | None, picture: Path | None, *, scanned: bool) -> None:
+    """Refuse names before any work is done."""
+    if output is None and rays is None and picture is None:
+        raise UsageError("-o: no file to write is given (give one ending in .xml, .xml.gz or .bsdf.npz)")
+    if output is not None and scanned and output.suffix.lower() != ".csv":
+        raise UsageError(f"{output}: a scan of directions is a table (end the name with .csv)")
+    if output is not None and not scanned and not output.name.lower().endswith(SUFFIXES):
+        raise UsageError(f"{output}: the name does not tell the format (end it with .xml, .xml.gz or .bsdf.npz)")
+    if rays is not None and rays.suffix.lower() not in (".csv", ".npz"):
+        raise UsageError(f"--rays {rays}: the name does not tell the format (end it with .csv or .npz)")
+
+
+def _share(text: str) -> float:
+    """A share from `0.5%` or `0.005`."""
+    try:
+        value = float(text.removesuffix("%").strip()) * (0.01 if text.endswith("%") else 1.0)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value < 1.0:
+        raise UsageError(f"--error {text}: not an error to aim at (such as 0.5%)")
+    return value
+
+
+def _basis(name: str) -> Any:  # noqa: ANN401 (a basis, not yet imported)
+    from clerestory import ClerestoryError
+    from clerestory.basis import Basis
+
+    try:
+        return Basis.named(name)
+    except ClerestoryError as error:
+        raise UsageError(f"--basis {name}: {error}") from None
+
+
+def _load(sample: str, unit: str | None, period: str | None, region: str | None, reflectance: float | None) -> Sample:
+    """A sample from a recipe, its name, or a scene with its unit and period or region."""
+    from clerestory.trace import RecipeError, load
+    from clerestory.trace.kinds.scene import UNITS as METRES
+
+    given = {"--unit": unit, "--period": period, "--region": region, "--reflectance": reflectance}
+    if not sample.lower().endswith(SCENES):
+        for option, value in given.items():
+            if value is not None:
+                raise UsageError(f"{option}: goes with a scene (.rad, .obj, .stl or .ply), not with a recipe")
+        return load(sample)
+    if unit is None:
+        raise UsageError(f"{sample}: the unit of its lengths is not known (give --unit mm, or another one)")
+    name = one_of(unit, "--unit", UNITS)
+    if (period is None) == (region is None):
+        raise UsageError(f"{sample}: either --period or --region is asked for (give one of them)")
+    Path(sample).stat()
+    millimetres = 1000.0 * METRES[name]
+    table: dict[str, Any] = {"kind": "scene", "file": sample, "unit": name, "name": Path(sample).stem}
+    if period is not None:
+        table["period_mm"] = [millimetres * x for x in numbers(period, "--period", 2, "0.1,0.072")]
+    if region is not None:
+        table["region_mm"] = [millimetres * x for x in numbers(region, "--region", 4, "-1,1,-1,1")]
+    recipe: dict[str, Any] = {"sample": table}
+    if reflectance is not None:
+        table["surfaces"] = {"*": {"material": "surface"}}
+        recipe["materials"] = {"surface": {"kind": "lambertian", "reflectance": reflectance}}
+    try:
+        return load(recipe)
+    except RecipeError as error:
+        raise RecipeError(f"{sample}: {error}") from None
+
+
+@contextmanager
+def _bar() -> Iterator[Callable[[float, float | None], None]]:
+    """A bar that shows the present error, on standard error if that is a terminal."""
+    if not sys.stderr.isatty():
+        yield lambda _share, _error: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("tracing"),
+        BarColumn(),
+        TextColumn("{task.percentage:>3.0f} %"),
+        TextColumn("{task.fields[error]}"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("tracing", total=1.0, error="")
+
+        def tell(share: float, error: float | None) -> None:
+            bar.update(task, completed=share, error="" if error is None else f"error {100.0 * error:.2g} %")
+
+        yield tell
+
+
+@contextmanager
+def _kept(state: State, output: Path, *, resume: bool) -> Iterator[None]:
+    """Keep what was finished if Ctrl-C is pressed; drop it when all is done."""
+    partial = _partial(output)
+    try:
+        yield
+    except KeyboardInterrupt:
+        finished, count = state.done
+        state.save(partial)
+        note(f"note: {finished} of {count} parts are kept in {partial} (the same command with --resume goes on)")
+        raise
+    if resume:
+        partial.unlink(missing_ok=True)
+
+
+def _partial(output: Path) -> Path:
+    """Where an interrupted measurement is kept."""
+    name = output.name
+    for suffix in (".bsdf.npz", ".xml.gz", output.suffix):
+        name = name.removesuffix(suffix) if name.endswith(suffix) else name
+    return output.with_name(f"{name}.partial.npz")
+
+
+def _state(made: Sample, settings: Settings, output: Path, incident: Any = None, *, resume: bool) -> State:  # noqa: ANN401
+    from clerestory.trace import State
+
+    if not resume:
+        return State.new(made, settings, incident)
+    partial = _partial(output)
+    if not partial.exists():
+        raise UsageError(f"--resume: there is no {partial} (leave --resume out to start)")
+    return State.load(partial, made, settings, incident)
+
+
+def _measure(made: Sample, settings: Settings, output: Path, *, resume: bool, quiet: bool) -> dict[str, object]:
+    from clerestory.trace import run
+
+    state = _state(made, settings, output, resume=resume)
+    with _kept(state, output, resume=resume), _bar() as tell:
+        measured = run(made, settings, state=state, progress=tell)
+    notes = [text for text in measured.bsdf.write(output) if "standard errors" not in text]
+    if not quiet:
+        for text in (*measured.bsdf.warnings, *notes):
+            note(f"note: {output}: {text}")
+        say(_summary(measured))
+    return {
+        "values": measured.values,
+        "balance": measured.balance,
+        "error": measured.error,
+        "paths": measured.paths,
+        "seconds": measured.seconds,
+        "notes": [*measured.bsdf.warnings, *notes],
+    }
+
+
+def _summary(measured: Measured) -> str:
+    rows = [
+        [v.band, v.side, v.scatter, *(f"{x:.4f} ± {e:.4f}" for x, e in (v.normal, v.hemispherical))]
+        for v in measured.values
+    ]
+    text = table(["band", "side", "scatter", "normal incidence", "hemispherical"], rows, left=3)
+    speed = (
+        f"{measured.paths:,} paths in {measured.seconds:.1f} s, standard error {100.0 * measured.error:.2g} % at most"
+    )
+    return "\n".join([text, *_balances(measured.balance), f"  {speed}"])
+
+
+def _balances(balances: dict[str, Balance]) -> list[str]:
+    return [
+        f"  {band}: of all light {', '.join(f'{k.replace("_", " ")} {v:.3g}' for k, v in vars(balance).items())}"
+        for band, balance in balances.items()
+    ]
+
+
+def _directions(listed: Sequence[tuple[float, float]], sides: Sequence[Side]) -> Any:  # noqa: ANN401 (an array)
+    import numpy as np
+
+    from clerestory.directions import direction
+
+    if len(sides) == 1:
+        return np.array([direction(*angles, side=sides[0]) for angles in listed])
+    return np.array([direction(*angles, side="exterior") for angles in listed])
+
+
+def _scan(
+    made: Sample,
+    settings: Settings,
+    listed: Sequence[tuple[float, float]],
+    sides: Sequence[Side],
+    output: Path,
+    *,
+    resume: bool,
+    quiet: bool,
+) -> dict[str, object]:
+    from clerestory.trace import scan
+    from clerestory.trace.export import scan_table
+    from clerestory.whole import write_whole
+
+    towards = _directions(listed, sides)
+    state = _state(made, settings, output, towards, resume=resume)
+    with _kept(state, output, resume=resume), _bar() as tell:
+        seen, balance = scan(made, towards, settings, state=state, progress=tell)
+    write_whole(output, scan_table(seen, settings.patches).encode())
+    if not quiet:
+        say(_seen(seen))
+        for line in _balances(balance):
+            say(line)
+    values = [
+        {"band": s.band, "incident": s.incident, "scatter": s.scatter, "total": s.total, "beam": s.beam} for s in seen
+    ]
+    return {"values": values, "balance": balance}
+
+
+def _seen(seen: Sequence[Seen]) -> str:
+    from clerestory.directions import incident_in_words
+
+    rows = [
+        [s.band, incident_in_words(s.incident), s.scatter, *(f"{x:.4f} ± {e:.4f}" for x, e in (s.total, s.beam))]
+        for s in seen
+    ]
+    return table(["band", "light", "scatter", "all", "straight on"], rows, left=3)
+
+
+def _rays(
+    made: Sample, settings: Settings, listed: Sequence[tuple[float, float]], sides: Sequence[Side], path: Path
+) -> dict[str, object]:
+    from clerestory.trace.export import write_rays
+
+    if len(listed) > 1:
+        raise UsageError(
+            "--rays with several --incident: a ray file is of one direction (give one, or none for diffuse)"
+        )
+    towards = _directions(listed, sides) if listed else None
+    paths = settings.samples or RAYS
+    with _bar() as tell:
+        count = write_rays(made, path, towards, sides[0], paths, settings, progress=tell)
+    return {"file": path, "rays": count, "paths": paths}
 
 
 def _list(*, as_json: bool) -> None:
@@ -107,28 +406,3 @@ def _list(*, as_json: bool) -> None:
         print_json(found)
         return
     say(table(["recipe", ""], [[str(f["name"]), str(f["what"])] for f in found], left=2))
-
-
-def _described(sample: Sample) -> dict[str, object]:
-    return {"sample": sample.name, "bands": sample.bands, "warnings": sample.warnings}
-
-
-def _results(measured: Measured) -> dict[str, object]:
-    return {
-        "values": measured.values(),
-        "balance": measured.balance,
-        "paths": measured.paths,
-        "seconds": measured.seconds,
-    }
-
-
-def _summary(measured: Measured) -> str:
-    rows = [
-        [v.band, v.side, v.scatter, *(f"{x:.4f} ± {e:.4f}" for x, e in (v.normal, v.hemispherical))]
-        for v in measured.values()
-    ]
-    text = table(["band", "side", "scatter", "normal incidence", "hemispherical"], rows, left=3)
-    for band, balance in measured.balance.items():
-        parts = [f"{name.replace('_', ' ')} {value:.3g}" for name, value in vars(balance).items()]
-        text += f"\n  {band}: of all light {', '.join(parts)}"
-    return f"{text}\n  {measured.paths:,} paths in {measured.seconds:.1f} s"

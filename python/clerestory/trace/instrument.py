@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from clerestory import _core
 from clerestory._core import ClerestoryError, __version__
 from clerestory.basis import Basis
 from clerestory.bsdf import Bsdf
@@ -21,9 +20,12 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Iterable, Mapping
 
+    from numpy.typing import ArrayLike, NDArray
+
     from clerestory.directions import Scatter, Side
 
     Source = Sample | str | os.PathLike[str] | Mapping[str, Any]
+    Floats = NDArray[np.float64]
     Tell = Callable[[float, float | None], object]
 
 REPLICATIONS = 16
@@ -34,7 +36,6 @@ MOST = 1 << 16
 """Paths an incident patch that are not exceeded by default, so that a sample takes seconds."""
 MOST_FOR_ERROR = 1 << 24
 """Paths an incident patch that are not exceeded where an error was asked for."""
-TREES = ("tensor3", "tensor4")
 
 
 @dataclass(frozen=True)
@@ -229,9 +230,7 @@ def measure(
     >>> blind.bands
     ('visible',)
     """
-    settings = Settings(
-        basis, sides, samples, error, seed, threads, source_cone_deg, detector_cone_deg, reciprocity
-    )
+    settings = Settings(basis, sides, samples, error, seed, threads, source_cone_deg, detector_cone_deg, reciprocity)
     return run(sample, settings, progress=progress).bsdf
 
 
@@ -266,9 +265,7 @@ def run(
     return Measured(bsdf, values, balance, error, paths, time.perf_counter() - began)
 
 
-def _recorded(
-    bsdf: Bsdf, sample: Sample, settings: Settings, values: list[Value], error: float, paths: int
-) -> Bsdf:
+def _recorded(bsdf: Bsdf, sample: Sample, settings: Settings, values: list[Value], error: float, paths: int) -> Bsdf:
     """With the sample's data, and with what led to them."""
     low, high = sample.depth_m
     bsdf = bsdf.with_metadata(name=sample.name, device_type=sample.device, thickness_m=high - low)
@@ -292,12 +289,12 @@ class Seen:
     """Light from one direction, as the patches of a basis see it."""
 
     band: str
-    incident: np.ndarray
+    incident: Floats
     """Direction to the source (3,)."""
     scatter: Scatter
-    values: np.ndarray
+    values: Floats
     """BSDF of the scattered light, the mean over each outgoing patch (n,) [1/sr]."""
-    errors: np.ndarray
+    errors: Floats
     """Standard errors of it (n,) [1/sr]."""
     beam: tuple[float, float]
     """Transmittance or reflectance of the beam straight on, with its standard error."""
@@ -307,7 +304,7 @@ class Seen:
 
 def scan(
     sample: Source,
-    incident: np.ndarray,
+    incident: ArrayLike,
     settings: Settings | None = None,
     *,
     state: State | None = None,
@@ -339,7 +336,3 @@ def scan(
         for band, k, _, scatter, values, beam, total in rows
     ]
     return seen, Balance.by_band(made.bands, tallies)
-
-
-__all__ = ["Balance", "Measured", "Seen", "Settings", "Value", "_core", "measure", "run", "scan"]
-_ = Literal

@@ -10,10 +10,10 @@ import numpy as np
 
 from clerestory import _core
 from clerestory.trace.keys import RecipeError, suggestion
-from clerestory.trace.materials import Spec
+from clerestory.trace.materials import Measured, Spec
 from clerestory.trace.media import Medium
 from clerestory.trace.recipe import Recipe, read_toml
-from clerestory.trace.shapes import AIR, Section
+from clerestory.trace.shapes import AIR, Section, Solids
 from clerestory.trace.shipped import names, path_of
 from clerestory.trace.workshop import SMOOTH, Workshop
 
@@ -57,9 +57,10 @@ class Sample:
             if name == AIR:
                 raise RecipeError(f"media.{name}: air is always there (choose another name)")
             self._media[name] = medium.spec(recipe.bands, f"media.{name}")
-        shop = Workshop(folder, self._specs, set(self._media))
+        shop = Workshop(folder, self._specs, self._media, recipe.bands)
         self.shapes: list[Shape] = recipe.sample.placed(shop, "sample")
         """Its layers, from the exterior to the interior."""
+        self._files = [*shop.files, *(folder / m.file for m in recipe.materials.values() if isinstance(m, Measured))]
         self.warnings = shop.warnings
         """What is surprising in the recipe."""
         self.core()  # Whatever the core objects to comes now.
@@ -85,13 +86,22 @@ class Sample:
         low, high = self.core().depth()
         return low, high
 
+    @property
+    def openness(self) -> float | None:
+        """Open share of the area, seen along the normal, of fabrics and perforated screens."""
+        return getattr(self.recipe.sample, "open_fraction", None)
+
+    def content(self) -> list[bytes]:
+        """The content of the files that it was made from."""
+        return [path.read_bytes() for path in self._files]
+
     def core(self) -> _core.Sample:
         """The sample as the core takes it; anew at every call."""
         faces: dict[Face, int] = {}
         layers = []
-        for shape in (s for s in self.shapes if isinstance(s, Section)):
+        for shape in self.shapes:
             try:
-                layers.append(_geometry(shape, faces))
+                layers.append(_geometry(shape, faces, list(self._media)))
             except _core.ClerestoryError as error:
                 raise RecipeError(f"sample: {error}") from error
         specs = list(self._specs)
@@ -103,10 +113,30 @@ class Sample:
         return _core.Sample(self.bands, layers, surfaces, materials, list(self._media.values()))
 
 
-def _geometry(shape: Section, faces: dict[Face, int]) -> _core.Geometry:
-    rows = np.array([[*p.start, *p.end, p.turn] for p in shape.pieces], dtype=np.float64)
-    surfaces = np.array([faces.setdefault(p.face, len(faces)) for p in shape.pieces], dtype=np.uint32)
-    return _core.Geometry.profile(rows, surfaces, shape.period)
+def _geometry(shape: Shape, faces: dict[Face, int], media: list[str]) -> _core.Geometry:
+    """A shape as the core takes it; its surfaces are added to those that are known."""
+
+    def number(face: Face) -> int:
+        return faces.setdefault(face, len(faces))
+
+    if isinstance(shape, Section):
+        rows = np.array([[*p.start, *p.end, p.turn] for p in shape.pieces], dtype=np.float64)
+        surfaces = np.array([number(p.face) for p in shape.pieces], dtype=np.uint32)
+        return _core.Geometry.profile(rows, surfaces, shape.period)
+    numbers = [number(face) for face in shape.faces]
+    borders = [[media.index(f.before), media.index(f.behind)] for f in faces]
+    if isinstance(shape, Solids):
+        limits = [list(pair) for pair in shape.limits]
+        repeats = [shape.repeats, shape.repeats]
+        return _core.Geometry.mesh(shape.scene, numbers, limits, repeats, shape.z, borders)
+    scene = _core.Scene.of_triangles(
+        np.ascontiguousarray(shape.corners),
+        np.ascontiguousarray(shape.triangles, dtype=np.int64),
+        np.ascontiguousarray(shape.face, dtype=np.uint32),
+        [f"surface {k + 1} ({face.front})" for k, face in enumerate(shape.faces)],
+    )
+    limits = [[0.0, shape.periods[0]], [0.0, shape.periods[1]]]
+    return _core.Geometry.mesh(scene, numbers, limits, [True, True], 0.0, borders)
 
 
 def load(source: str | os.PathLike[str] | Mapping[str, Any] | Sample) -> Sample:

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from clerestory import _core
+
 AIR = "air"
 Point = tuple[float, float]
 
@@ -144,7 +146,41 @@ class Mesh:
         return self
 
 
-Shape = Section | Mesh
+@dataclass(frozen=True)
+class Solids:
+    """The scene of a file."""
+
+    scene: _core.Scene
+    faces: tuple[Face, ...]
+    """Of each surface of the scene."""
+    limits: tuple[Point, Point]
+    """Part of the plane where rays start, along x and y [m]."""
+    repeats: bool
+    """The limits are a period."""
+    z: float = 0.0
+    """How far it is shifted along z [m]."""
+
+    def moved(self, z: float) -> Solids:
+        """The same, shifted along z [m]."""
+        return replace(self, z=self.z + z)
+
+    def depth(self) -> tuple[float, float]:
+        """Least and greatest z [m]."""
+        bounds = self.scene.bounds() or [[0.0] * 3, [0.0] * 3]
+        return bounds[0][2] + self.z, bounds[1][2] + self.z
+
+    @property
+    def period(self) -> float:
+        """Along y [m]."""
+        return self.limits[1][1] - self.limits[1][0]
+
+    def repeated(self, period: float) -> Solids:
+        """The same: it has periods of its own, or none."""
+        del period
+        return self
+
+
+Shape = Section | Mesh | Solids
 """What a sample is made of."""
 
 

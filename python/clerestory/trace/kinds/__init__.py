@@ -11,7 +11,11 @@ from clerestory.trace.keys import RecipeError
 from clerestory.trace.kinds.blind import Louvre, VenetianBlind
 from clerestory.trace.kinds.common import Kind
 from clerestory.trace.kinds.film import PrismaticFilm, Profile, ScannedProfile
+from clerestory.trace.kinds.height import HeightMap
 from clerestory.trace.kinds.panel import Honeycomb, LaserCutPanel, LightShelf, Pane
+from clerestory.trace.kinds.scene import SceneSample
+from clerestory.trace.kinds.screen import ExpandedMetal, PerforatedScreen
+from clerestory.trace.kinds.weave import WovenFabric
 
 if TYPE_CHECKING:
     from clerestory.trace.shapes import Shape
@@ -60,6 +64,11 @@ AnySample = Annotated[
     | ScannedProfile
     | Profile
     | Honeycomb
+    | WovenFabric
+    | PerforatedScreen
+    | ExpandedMetal
+    | HeightMap
+    | SceneSample
     | Layers,
     Field(discriminator="kind"),
 ]

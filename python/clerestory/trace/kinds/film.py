@@ -113,6 +113,7 @@ class ScannedProfile(_Film):
     def shapes(self, shop: Workshop, key: str) -> list[Section]:
         """Its section."""
         face = shop.body(key, self.medium)
+        shop.files.append(shop.folder / self.file)
         x, z = read_scan(shop.folder / self.file, f"{key}.file")
         length = float(x[-1] - x[0])
         period = length if self.period_um is None else self.period_um

@@ -43,6 +43,7 @@ class HeightMap(Kind):
     def shapes(self, shop: Workshop, key: str) -> list[Mesh]:
         """Its two faces; the flat one lies in the plane of the sample."""
         face = shop.body(key, self.medium)
+        shop.files.append(shop.folder / self.file)
         heights = _read(shop.folder / self.file, f"{key}.file")[::-1]
         if self.mirrored:
             heights = np.concatenate([heights, heights[-2:0:-1]])
