@@ -68,7 +68,7 @@ def trace(
         str | None,
         typer.Option(
             metavar="PCT",
-            help="Trace until the direct-hemispherical values have this standard error; 0.5% by default, within seconds.",
+            help="Standard error of direct-hemispherical values to reach; by default 0.5% as far as seconds suffice.",
         ),
     ] = None,
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Another seed gives an independent result.")] = 1,
@@ -327,10 +327,11 @@ def _summary(measured: Measured) -> str:
 
 
 def _balances(balances: dict[str, Balance]) -> list[str]:
-    return [
-        f"  {band}: of all light {', '.join(f'{k.replace("_", " ")} {v:.3g}' for k, v in vars(balance).items())}"
-        for band, balance in balances.items()
-    ]
+    lines = []
+    for band, balance in balances.items():
+        parts = [f"{name.replace('_', ' ')} {value:.3g}" for name, value in vars(balance).items()]
+        lines.append(f"  {band}: of all light {', '.join(parts)}")
+    return lines
 
 
 def _directions(listed: Sequence[tuple[float, float]], sides: Sequence[Side]) -> Any:  # noqa: ANN401 (an array)

@@ -331,8 +331,8 @@ def scan(
     listed = np.ascontiguousarray(np.atleast_2d(np.asarray(incident, dtype=np.float64)))
     state = state or State.new(made, settings, listed)
     rows, tallies, _ = made.core().scan(settings.core(), listed, settings.patches._core, state.core, progress)
-    seen = [
-        Seen(band, listed[k], scatter, *np.array(values).T, beam, total)
-        for band, k, _, scatter, values, beam, total in rows
-    ]
+    seen = []
+    for band, k, _, scatter, pairs, beam, total in rows:
+        values, errors = np.array(pairs).T
+        seen.append(Seen(band, listed[k], scatter, values, errors, beam, total))
     return seen, Balance.by_band(made.bands, tallies)

@@ -1,9 +1,13 @@
-"""The keys of recipes as tables in Markdown: `python -m clerestory.trace.reference` writes part of docs/recipes.md."""
+"""The keys of recipes as tables in Markdown.
+
+`python -m clerestory.trace.reference docs/recipes.md` renews them in the guide, from its heading on bands to its end.
+"""
 
 from __future__ import annotations
 
 import json
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
 from clerestory.trace.bands import Bands
@@ -14,6 +18,7 @@ from clerestory.trace.media import Medium
 if TYPE_CHECKING:
     from clerestory.trace.keys import Keys
 
+HEAD = "## Bands: `[bands]`"
 SHARED = ("name", "z_mm")
 """Keys of all kinds of samples."""
 
@@ -22,7 +27,7 @@ def tables() -> str:
     """All kinds of samples, materials and media with their keys."""
     samples = get_args(get_args(AnySample)[0])
     materials = get_args(get_args(Material)[0])
-    parts = ["## Bands: `[bands]`", _table(Bands), "## Samples: `[sample]`", "Every kind has these keys:"]
+    parts = [HEAD, _table(Bands), "## Samples: `[sample]`", "Every kind has these keys:"]
     parts.append(_table(samples[0], only=("kind", *SHARED)))
     for model in samples:
         parts += [f"### `{_kind(model)}`", _first(model), _table(model, skip=("kind", *SHARED))]
@@ -144,5 +149,11 @@ def _marks(annotation: object) -> list[object]:
     ]
 
 
+def renew(path: Path) -> None:
+    """Write the tables into the guide."""
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text[: text.index(HEAD)] + tables(), encoding="utf-8")
+
+
 if __name__ == "__main__":
-    sys.stdout.write(tables())
+    renew(Path(sys.argv[1]))

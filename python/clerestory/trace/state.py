@@ -6,7 +6,6 @@ import hashlib
 import io
 import json
 import zipfile
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -72,7 +71,8 @@ class State:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Keep it in a file, which is written whole or not at all."""
         buffer = io.BytesIO()
-        np.savez_compressed(buffer, fingerprint=np.array(self.fingerprint), **dict(self.core.to_arrays()))
+        arrays: dict[str, Any] = {"fingerprint": np.array(self.fingerprint), **dict(self.core.to_arrays())}
+        np.savez_compressed(buffer, **arrays)
         write_whole(path, buffer.getvalue())
 
     @property
@@ -83,7 +83,7 @@ class State:
 
 def fingerprint(sample: Sample, settings: Settings, incident: NDArray[np.float64] | None = None) -> str:
     """What stands for all that a result depends on."""
-    told = asdict(settings)
+    told = dict(vars(settings))
     # Results do not depend on it.
     del told["threads"]
     told["basis"] = settings.patches.rings
