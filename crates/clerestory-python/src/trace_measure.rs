@@ -39,7 +39,9 @@ impl SettingsSpec {
         Ok(Goniophotometer {
             settings: Settings {
                 sides: self.sides.iter().map(|s| side(s)).collect::<PyResult<_>>()?,
-                stop: self.error.map_or(Stop::Paths(most), |error| Stop::Error { error, most }),
+                stop: self
+                    .error
+                    .map_or(Stop::Paths(most), |error| Stop::Error { error, most }),
                 replications: self.replications,
                 seed: self.seed,
                 cones: Cones {
@@ -64,7 +66,9 @@ impl SettingsSpec {
             .num_threads(self.threads)
             .build()
             .map_err(|e| ClerestoryError::new_err(format!("{} threads cannot be started ({e})", self.threads)))?;
-        watched_by(py, progress.map(Report::WithError), |watch| pool.install(|| work(watch)))
+        watched_by(py, progress.map(Report::WithError), |watch| {
+            pool.install(|| work(watch))
+        })
     }
 }
 
@@ -139,7 +143,13 @@ impl PySample {
         })?;
         let totals = measured.totals.into_iter().map(|t| {
             let values = t.values.into_iter().map(pair).collect();
-            (t.band, t.side.name(), t.scatter.name(), values, t.hemispherical.map(pair))
+            (
+                t.band,
+                t.side.name(),
+                t.scatter.name(),
+                values,
+                t.hemispherical.map(pair),
+            )
         });
         let totals = totals.collect();
         Ok((

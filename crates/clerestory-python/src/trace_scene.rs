@@ -49,7 +49,9 @@ impl PyScene {
         let (corners, triangles, surfaces) = (corners.as_array(), triangles.as_array(), surfaces.as_array());
         let within = triangles.iter().all(|&k| (0..count as i64).contains(&k));
         if !sound || !within || surfaces.iter().any(|&s| s as usize >= names.len()) {
-            return Err(ClerestoryError::new_err("corners, triangles and surfaces do not fit together"));
+            return Err(ClerestoryError::new_err(
+                "corners, triangles and surfaces do not fit together",
+            ));
         }
         let mut scene = Scene::default();
         for name in &names {
@@ -127,9 +129,14 @@ impl PyScene {
         let row = |shape| match shape {
             Shape::Triangle(_) => None,
             Shape::Sphere { centre, radius, .. } => Some(("sphere", [&centre.array()[..], &[radius]].concat())),
-            Shape::Ring { centre, normal, radii } => {
-                Some(("ring", [centre.array(), normal.array()].concat().into_iter().chain(radii).collect()))
-            }
+            Shape::Ring { centre, normal, radii } => Some((
+                "ring",
+                [centre.array(), normal.array()]
+                    .concat()
+                    .into_iter()
+                    .chain(radii)
+                    .collect(),
+            )),
             Shape::Cone { ends, radii, .. } => {
                 Some(("cone", ends.into_iter().flat_map(Vec3::array).chain(radii).collect()))
             }
