@@ -407,7 +407,69 @@ fn radiance_shares_follow_its_manual() {
     let grazing = metal.beams::<N>(&self::arrival(89.9, &media));
     assert!(grazing[0].value.iter().all(|v| *v > 0.98));
     let normal = metal.beams::<N>(&self::arrival(0.0, &media));
-    close(normal[0].value[1], 0.4 * 0.9);
+    // The approximation leaves 0.00085 at normal incidence.
+    let fresnel = (-5.85_f64).exp() - 0.002_029_430_64;
+    close(normal[0].value[1], fresnel + 0.4 * 0.9 * (1.0 - fresnel));
+    // White stays white.
+    let white = Material::plastic(&[1.0, 1.0], 0.3, 0.0).expect("plastic");
+    for theta_deg in THETAS_DEG {
+        let arrival = self::arrival(theta_deg, &media);
+        let even = white.evaluate::<N>(&arrival, NORMAL)[0] * PI;
+        close(even + white.beams::<N>(&arrival)[0].value[0], 1.0);
+    }
+}
+
+#[test]
+fn white_skies_of_radiance_give_the_same_radiance() {
+    // rtrace of pyradiance 1.3.1, `-ab 1 -ad 2048 -aa 0 -lw 1e-6 -st 0` (rough: `-ss 64`), a polygon under a glow of
+    // radiance 1 over the upper or the lower half; grey of 0.5. The polar angle of the view is 40° and 85° (rough: 70°).
+    let grey = [0.5, 0.5];
+    let smooth = [
+        (Material::plastic(&grey, 0.05, 0.0), [0.5294, 0.8093], [0.0, 0.0]),
+        (Material::plastic(&grey, 0.3, 0.0), [0.6533, 0.8595], [0.0, 0.0]),
+        (Material::metal(&grey, 0.8, 0.0), [0.5046, 0.7993], [0.0, 0.0]),
+        (
+            Material::trans(&grey, 0.05, 0.0, 0.6, 0.5),
+            [0.2471, 0.6949],
+            [0.2824, 0.1144],
+        ),
+        (Material::glass(&[0.9, 0.9], 1.52), [0.0818, 0.7063], [0.8091, 0.1882]),
+    ];
+    let media = [Medium::air(N), Medium::air(N)];
+    for (material, up, down) in smooth {
+        let material = material.expect("is sound");
+        for (k, theta_deg) in [40.0, 85.0].into_iter().enumerate() {
+            let arrival = arrival(theta_deg, &media);
+            for (passes, radiance) in [(false, up[k]), (true, down[k])] {
+                let even = material.evaluate::<N>(&arrival, if passes { -NORMAL } else { NORMAL })[0] * PI;
+                let beams = material.beams::<N>(&arrival);
+                let beam: f64 = beams.iter().filter(|b| b.passes == passes).map(|b| b.value[0]).sum();
+                assert!(
+                    (even + beam - radiance).abs() < 1.5e-4,
+                    "{material:?} {theta_deg}: {even} {beam} {radiance}"
+                );
+            }
+        }
+    }
+    for (specularity, roughness, radiance) in [(0.3, 0.2, [0.2822, 0.2543]), (0.9, 0.15, [0.8738, 0.8115])] {
+        let case = Case {
+            name: "rough plastic",
+            material: Material::plastic(&[0.0, 0.0], specularity, roughness).expect("plastic"),
+            media: media.clone(),
+            reciprocal: true,
+        };
+        for (theta_deg, radiance) in [40.0, 70.0].into_iter().zip(radiance) {
+            let total: f64 = expected(&case, &arrival(theta_deg, &media))
+                .iter()
+                .map(|cell| cell[0])
+                .sum();
+            // A few thousand samples were taken there.
+            assert!(
+                (total / radiance - 1.0).abs() < 0.015,
+                "{theta_deg}: {total} {radiance}"
+            );
+        }
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@
 //! energy-conserving, but for the share that Ward's lobe loses towards grazing angles, which is absorbed.
 //!
 //! Smooth: a mirror part instead of the lobe, and a beam that passes. A specularity of 0.018 or more then grows towards
-//! grazing incidence as Radiance lets it, by e^(-5.85 cosθ) - e^(-5.85), and the rest shrinks with it. Radiance lets the
+//! grazing incidence as Radiance lets it, by e^(-5.85 cosθ) - 0.00203, and the rest shrinks with it. Radiance lets the
 //! diffuse part shrink by the direction of a light source once more, but not for light from elsewhere; here it follows
 //! the incident direction alone, so a white material stays white.
 
@@ -79,7 +79,7 @@ impl Glossy {
     fn ways<const N: usize>(&self, cos: f64) -> [[f64; N]; 4] {
         let colour = &self.colour[..N];
         let fresnel = if self.roughness == 0.0 && self.specularity >= LEAST_FRESNEL {
-            (-5.85 * cos).exp() - (-5.85_f64).exp()
+            (-5.85 * cos).exp() - 0.002_029_430_64
         } else {
             0.0
         };
@@ -91,7 +91,7 @@ impl Glossy {
             ways[DIFFUSE_BACK][b] = colour[b] * (rest - on);
             ways[DIFFUSE_ON][b] = colour[b] * on * (1.0 - self.transmitted_specularity);
             ways[SPECULAR_BACK][b] = if self.metal {
-                fresnel + colour[b] * specularity * (1.0 - fresnel)
+                fresnel + colour[b] * self.specularity * (1.0 - fresnel)
             } else {
                 specularity
             };
