@@ -1,6 +1,6 @@
 //! Every material draws the directions that its formula says, keeps its energy, and says what it absorbs.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use clerestory::basis::Basis;
 use clerestory::bsdf::{Band, Bsdf, Lambertian, Matrix, Metadata, Model, Specular, Sum};
@@ -215,8 +215,8 @@ fn drawn(case: &Case, arrival: &Arrival<'_>, key: u64) -> Drawn {
         assert!((departure.direction.length() - 1.0).abs() < 1e-12, "{}", case.name);
         assert_eq!(departure.passes, cos < 0.0, "{}", case.name);
         if departure.specular {
-            for b in 0..N {
-                result.beams[b] += weight[b] / n;
+            for (beam, w) in result.beams.iter_mut().zip(&weight) {
+                *beam += w / n;
             }
             continue;
         }
@@ -224,9 +224,9 @@ fn drawn(case: &Case, arrival: &Arrival<'_>, key: u64) -> Drawn {
         let square = Disk::new(departure.direction.dot(s), departure.direction.dot(t)).to_square();
         let [a, b] = square.map(|v| (v * CELLS as f64) as usize);
         let cell = &mut result.cells[cell_of(a, b, departure.passes)];
-        for k in 0..N {
-            cell[k][0] += weight[k];
-            cell[k][1] += weight[k] * weight[k];
+        for (sums, w) in cell.iter_mut().zip(&weight) {
+            sums[0] += w;
+            sums[1] += w * w;
         }
     }
     result
@@ -239,7 +239,7 @@ fn chance(chi2: f64, degrees: f64) -> f64 {
     0.5 * erfc(z / std::f64::consts::SQRT_2)
 }
 
-/// Complementary error function (Abramowitz and Stegun 7.1.26 has too few digits here: the continued fraction and series).
+/// Complementary error function, by its series and its continued fraction (Abramowitz and Stegun 7.1.5, 7.1.14).
 fn erfc(x: f64) -> f64 {
     if x < 0.0 {
         return 2.0 - erfc(-x);
@@ -385,180 +385,5 @@ fn there_and_back_is_the_same() {
                 }
             }
         }
-    }
-}
-
-#[test]
-fn radiance_shares_follow_its_manual() {
-    // Specular reflection first; of the rest a share passes, of that a share is specular; all but the first has the colour.
-    let (colour, media) = ([0.8, 0.4], [Medium::air(N), Medium::air(N)]);
-    let trans = Material::trans(&colour, 0.01, 0.0, 0.3, 0.25).expect("trans");
-    let arrival = arrival(30.0, &media);
-    let beams = trans.beams::<N>(&arrival);
-    let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
-    close(beams[0].value[0], 0.01);
-    close(beams[1].value[0], 0.8 * 0.99 * 0.3 * 0.25);
-    close(beams[1].value[1], 0.4 * 0.99 * 0.3 * 0.25);
-    let f = |passes| trans.evaluate::<N>(&arrival, at(Disk::from_angles(0.4, 0.0), passes));
-    close(f(false)[0] * PI, 0.8 * 0.99 * 0.7);
-    close(f(true)[1] * PI, 0.4 * 0.99 * 0.3 * 0.75);
-    // A smooth metal of higher specularity turns white towards grazing incidence.
-    let metal = Material::metal(&colour, 0.9, 0.0).expect("metal");
-    let grazing = metal.beams::<N>(&self::arrival(89.9, &media));
-    assert!(grazing[0].value.iter().all(|v| *v > 0.98));
-    let normal = metal.beams::<N>(&self::arrival(0.0, &media));
-    // The approximation leaves 0.00085 at normal incidence.
-    let fresnel = (-5.85_f64).exp() - 0.002_029_430_64;
-    close(normal[0].value[1], fresnel + 0.4 * 0.9 * (1.0 - fresnel));
-    // White stays white.
-    let white = Material::plastic(&[1.0, 1.0], 0.3, 0.0).expect("plastic");
-    for theta_deg in THETAS_DEG {
-        let arrival = self::arrival(theta_deg, &media);
-        let even = white.evaluate::<N>(&arrival, NORMAL)[0] * PI;
-        close(even + white.beams::<N>(&arrival)[0].value[0], 1.0);
-    }
-}
-
-#[test]
-fn white_skies_of_radiance_give_the_same_radiance() {
-    // rtrace of pyradiance 1.3.1, `-ab 1 -ad 2048 -aa 0 -lw 1e-6 -st 0` (rough: `-ss 64`), a polygon under a glow of
-    // radiance 1 over the upper or the lower half; grey of 0.5. The polar angle of the view is 40° and 85° (rough: 70°).
-    let grey = [0.5, 0.5];
-    let smooth = [
-        (Material::plastic(&grey, 0.05, 0.0), [0.5294, 0.8093], [0.0, 0.0]),
-        (Material::plastic(&grey, 0.3, 0.0), [0.6533, 0.8595], [0.0, 0.0]),
-        (Material::metal(&grey, 0.8, 0.0), [0.5046, 0.7993], [0.0, 0.0]),
-        (
-            Material::trans(&grey, 0.05, 0.0, 0.6, 0.5),
-            [0.2471, 0.6949],
-            [0.2824, 0.1144],
-        ),
-        (Material::glass(&[0.9, 0.9], 1.52), [0.0818, 0.7063], [0.8091, 0.1882]),
-    ];
-    let media = [Medium::air(N), Medium::air(N)];
-    for (material, up, down) in smooth {
-        let material = material.expect("is sound");
-        for (k, theta_deg) in [40.0, 85.0].into_iter().enumerate() {
-            let arrival = arrival(theta_deg, &media);
-            for (passes, radiance) in [(false, up[k]), (true, down[k])] {
-                let even = material.evaluate::<N>(&arrival, if passes { -NORMAL } else { NORMAL })[0] * PI;
-                let beams = material.beams::<N>(&arrival);
-                let beam: f64 = beams.iter().filter(|b| b.passes == passes).map(|b| b.value[0]).sum();
-                assert!(
-                    (even + beam - radiance).abs() < 1.5e-4,
-                    "{material:?} {theta_deg}: {even} {beam} {radiance}"
-                );
-            }
-        }
-    }
-    for (specularity, roughness, radiance) in [(0.3, 0.2, [0.2822, 0.2543]), (0.9, 0.15, [0.8738, 0.8115])] {
-        let case = Case {
-            name: "rough plastic",
-            material: Material::plastic(&[0.0, 0.0], specularity, roughness).expect("plastic"),
-            media: media.clone(),
-            reciprocal: true,
-        };
-        for (theta_deg, radiance) in [40.0, 70.0].into_iter().zip(radiance) {
-            let total: f64 = expected(&case, &arrival(theta_deg, &media))
-                .iter()
-                .map(|cell| cell[0])
-                .sum();
-            // A few thousand samples were taken there.
-            assert!(
-                (total / radiance - 1.0).abs() < 0.015,
-                "{theta_deg}: {total} {radiance}"
-            );
-        }
-    }
-}
-
-#[test]
-fn ward_at_normal_incidence_is_the_published_peak() {
-    let media = [Medium::air(N), Medium::air(N)];
-    let material = Material::metal(&[1.0, 1.0], 1.0, 0.2).expect("metal");
-    let straight = Arrival {
-        direction: -NORMAL,
-        normal: NORMAL,
-        here: &media[0],
-        beyond: &media[1],
-    };
-    let [f, _] = material.evaluate::<N>(&straight, NORMAL);
-    assert!((f - 1.0 / (2.0 * TAU * 0.04)).abs() < 1e-9, "{f}");
-}
-
-#[test]
-fn impossible_materials_are_refused_in_words() {
-    let text = |m: clerestory::Result<Material>| m.expect_err("is refused").to_string();
-    for (message, word) in [
-        (text(Material::lambertian(&[0.5, 0.7], &[0.4, 0.4])), "band 2"),
-        (text(Material::mirror(&[1.5])), "reflectance of band 1 is 1.5"),
-        (text(Material::plastic(&[0.5], -0.1, 0.0)), "specularity is -0.1"),
-        (text(Material::metal(&[f64::NAN], 0.5, 0.0)), "colour of band 1 is NaN"),
-        (text(Material::trans(&[0.5], 0.1, 0.0, 1.2, 0.0)), "transmission is 1.2"),
-        (text(Material::glass(&[1.2], 1.52)), "transmissivity of band 1"),
-        (text(Material::glass(&[0.9], 0.8)), "index is 0.8"),
-        (text(Material::ggx(&[0.9], 2.0)), "roughness is 2"),
-        (text(Material::rough_interface(f64::NAN)), "roughness is NaN"),
-        (text(Material::gaussian(0.0, values())), "width is 0"),
-        (text(Material::abg(0.0, 2.0, values())), "B is 0"),
-        (
-            text(Material::gaussian(
-                0.1,
-                LobeValues {
-                    reflectance: &[0.9, 0.9],
-                    ..values()
-                },
-            )),
-            "reflectance + transmittance + diffuse reflectance + diffuse transmittance of band 1",
-        ),
-        (
-            text(Material::mixture(vec![(0.7, Material::Black), (0.7, Material::Black)])),
-            "sum of shares",
-        ),
-        (
-            text(Material::measured(&data_set(), &[Some("uv")], Side::Interior, NORMAL)),
-            "uv",
-        ),
-        (
-            text(Material::measured(
-                &data_set(),
-                &[None],
-                Side::Interior,
-                Vec3::default(),
-            )),
-            "up is (0, 0, 0)",
-        ),
-    ] {
-        assert!(message.contains(word) && !message.contains('\n'), "{message}");
-    }
-    let twice = Bsdf::new(
-        vec![
-            Band::new("visible")
-                .with(
-                    Side::Exterior,
-                    Scatter::Transmission,
-                    Model::Lambertian(Lambertian::new(0.7).expect("even")),
-                )
-                .with(
-                    Side::Exterior,
-                    Scatter::Reflection,
-                    Model::Lambertian(Lambertian::new(0.6).expect("even")),
-                ),
-        ],
-        Metadata::default(),
-    )
-    .expect("a data set");
-    let message = text(Material::measured(&twice, &[None], Side::Exterior, NORMAL));
-    assert!(message.contains("band 1 (visible) sum to 1.3000"), "{message}");
-    for medium in [
-        Medium::clear(&[0.9], &[0.0]),
-        Medium::clear(&[1.5], &[-1.0]),
-        Medium::clear(&[1.5], &[f64::INFINITY]),
-        Medium::clear(&[1.5, 1.5], &[0.0]),
-        Medium::scattering(&[1.5], &[0.0], &[1.0], &[1.5]),
-        Medium::radiance_dielectric(&[0.9], 0.0, 1.5),
-        Medium::radiance_dielectric(&[1.1], 1.0, 1.5),
-    ] {
-        assert!(medium.is_err(), "{medium:?}");
     }
 }
