@@ -9,11 +9,9 @@
 
 mod command;
 mod generate;
-mod polygon;
 mod words;
 mod xform;
 
-pub(crate) use polygon::triangles;
 pub use xform::{Transform, Xform};
 
 use std::collections::HashMap;
@@ -21,6 +19,7 @@ use std::path::{Path, PathBuf};
 
 use self::command::{Source, Stage};
 use self::words::{Next, Words, shown};
+use super::faces::{Faces, check_unit, load};
 use crate::error::{Error, Result};
 use crate::geometry::{Scene, Shape, Vec3};
 
@@ -61,20 +60,16 @@ pub struct Radiance {
 /// Reads a file and the files that it names; those are looked for beside it.
 pub fn read(path: &Path, metres_per_unit: f64) -> Result<Radiance> {
     let folder: PathBuf = path.parent().map(Path::to_path_buf).unwrap_or_default();
-    let load = |path: &Path| std::fs::read(path).map_err(|e| Error::Io(format!("{}: {e}", path.display())));
     let text = load(path)?;
     parse(&text, metres_per_unit, &mut |name| load(&folder.join(name)))
 }
 
 /// Reads a scene from its text; the files that it names are loaded by `open`.
 pub fn parse(text: &[u8], metres_per_unit: f64, open: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<Radiance> {
-    if !(metres_per_unit.is_finite() && metres_per_unit > 0.0) {
-        return Err(Error::Argument(format!(
-            "a unit of {metres_per_unit} m (give the metres that a unit of the file stands for)"
-        )));
-    }
+    check_unit(metres_per_unit)?;
     let mut reader = Reader {
-        read: Radiance::default(),
+        faces: Faces::default(),
+        materials: Vec::new(),
         definitions: Vec::new(),
         current: HashMap::new(),
         surfaces: HashMap::new(),
@@ -92,12 +87,15 @@ pub fn parse(text: &[u8], metres_per_unit: f64, open: &mut dyn FnMut(&str) -> Re
     };
     reader.file(text, "", &context)?;
     if reader.sources > 0 {
-        reader.read.scene.warnings.push(format!(
+        reader.faces.scene.warnings.push(format!(
             "{} objects of type source were left out: the instrument brings its own light",
             reader.sources
         ));
     }
-    Ok(reader.read)
+    Ok(Radiance {
+        scene: reader.faces.finish(),
+        materials: reader.materials,
+    })
 }
 
 /// Bytes that are read again and again by nested arrays before it is enough.
@@ -138,7 +136,8 @@ struct Definition {
 }
 
 struct Reader<'a> {
-    read: Radiance,
+    faces: Faces,
+    materials: Vec<Description>,
     definitions: Vec<Definition>,
     /// Latest definition of each name.
     current: HashMap<String, usize>,
@@ -164,7 +163,7 @@ impl Reader<'_> {
                 Next::End => return Ok(()),
                 Next::Command(line) => {
                     let place = words.place();
-                    self.command(&line, context).map_err(|e| match e {
+                    self.command(&line, context, &place).map_err(|e| match e {
                         // What is wrong within a file that was named has its place.
                         Error::Format { .. } | Error::Interrupted => e,
                         e => e.within(&format!("{place}: ")),
@@ -185,7 +184,7 @@ impl Reader<'_> {
         Ok(text)
     }
 
-    fn command(&mut self, line: &str, context: &Context) -> Result<()> {
+    fn command(&mut self, line: &str, context: &Context, place: &str) -> Result<()> {
         if context.depth >= MOST_NESTED {
             return Err(Error::Argument(format!(
                 "files within files, {MOST_NESTED} deep (does one name itself?)"
@@ -233,7 +232,7 @@ impl Reader<'_> {
                 for context in &contexts {
                     let surface = self.surface_of(&generated.modifier, context).map_err(Error::Argument)?;
                     for (name, corners) in &generated.polygons {
-                        self.polygon(name, corners, surface, context)
+                        self.polygon(name, corners, surface, context, place)
                             .map_err(|e| e.within(&format!("{name}: ")))?;
                     }
                 }
@@ -276,7 +275,9 @@ impl Reader<'_> {
             let surface = self
                 .surface_of(modifier, context)
                 .map_err(|what| Error::format(place.clone(), format!("{kind} {name:?}: {what}"), REMEDY_MATERIAL))?;
-            return self.surface(&kind, &name, &numbers, surface, context).map_err(fail);
+            return self
+                .surface(&kind, &name, &numbers, surface, context, &place)
+                .map_err(fail);
         }
         match kind.as_str() {
             "source" => self.sources += 1,
@@ -382,19 +383,27 @@ impl Reader<'_> {
             ));
         }
         // Another definition of a name, as files that are read after each other may have, is another surface.
-        let scene = &mut self.read.scene;
+        let scene = &mut self.faces.scene;
         let (mut unique, mut count) = (description.name.clone(), 1);
         while scene.has_surface(&unique) {
             count += 1;
             unique = format!("{} {count}", description.name);
         }
         let surface = scene.surface(&unique);
-        self.read.materials.push(description.clone());
+        self.materials.push(description.clone());
         self.surfaces.insert(index, surface);
         Ok(surface)
     }
 
-    fn surface(&mut self, kind: &str, name: &str, numbers: &[f64], surface: u32, context: &Context) -> Result<()> {
+    fn surface(
+        &mut self,
+        kind: &str,
+        name: &str,
+        numbers: &[f64],
+        surface: u32,
+        context: &Context,
+        place: &str,
+    ) -> Result<()> {
         let count = |wanted: usize| {
             if numbers.len() == wanted {
                 Ok(())
@@ -424,7 +433,7 @@ impl Reader<'_> {
                     )));
                 }
                 let corners: Vec<Vec3> = (0..numbers.len()).step_by(3).map(point).collect();
-                return self.polygon(name, &corners, surface, context);
+                return self.polygon(name, &corners, surface, context, place);
             }
             "sphere" | "bubble" => {
                 count(4)?;
@@ -467,31 +476,26 @@ impl Reader<'_> {
         if let Some((what, _)) = shape.fault() {
             return Err(Error::Argument(what));
         }
-        let object = self.read.scene.object(format!("{}{name}", context.prefix));
-        self.read.scene.push(shape, surface, object);
+        let object = self.faces.scene.object(format!("{}{name}", context.prefix));
+        self.faces.scene.push(shape, surface, object);
         self.full()
     }
 
-    fn polygon(&mut self, name: &str, corners: &[Vec3], surface: u32, context: &Context) -> Result<()> {
-        let triangles = triangles(corners)?;
-        let corners: Vec<Vec3> = corners.iter().map(|&c| context.transform.point(c)).collect();
-        let scene = &mut self.read.scene;
-        let object = scene.object(format!("{}{name}", context.prefix));
-        for [a, b, c] in triangles {
-            // A mirror turns the sense of corners round, and so its front.
-            let corners = if context.transform.mirrors == context.inverted {
-                [a, b, c]
-            } else {
-                [c, b, a]
-            }
-            .map(|k| corners[k]);
-            scene.push(Shape::Triangle(corners), surface, object);
+    fn polygon(&mut self, name: &str, corners: &[Vec3], surface: u32, context: &Context, place: &str) -> Result<()> {
+        let mut corners: Vec<Vec3> = corners.iter().map(|&c| context.transform.point(c)).collect();
+        // A mirror turns the sense of corners round, and so the front.
+        if context.transform.mirrors != context.inverted {
+            corners.reverse();
         }
+        let name = format!("{}{name}", context.prefix);
+        let object = self.faces.scene.object(name.as_str());
+        self.faces
+            .add(&corners, surface, object, || format!("{place}, polygon {name:?}"))?;
         self.full()
     }
 
     fn full(&self) -> Result<()> {
-        if self.read.scene.elements.len() > MOST_SHAPES {
+        if self.faces.scene.elements.len() > MOST_SHAPES {
             return Err(Error::Argument(format!(
                 "over {MOST_SHAPES} shapes (make the arrays of !xform smaller, and let the period repeat the scene)"
             )));

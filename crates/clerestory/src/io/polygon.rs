@@ -14,27 +14,25 @@ pub(crate) fn triangles(corners: &[Vec3]) -> Result<Vec<[usize; 3]>> {
             "a polygon with {n} corners (give three or more)"
         )));
     }
-    // Twice the area (Newell), about the first corner so that no digits are lost.
-    let from = |k: usize| corners[k % n] - corners[0];
-    let mut normal = Vec3::default();
-    for k in 1..n - 1 {
-        normal += from(k).cross(from(k + 1));
-    }
-    let reach = (0..n).map(|k| from(k).length()).fold(0.0, f64::max);
-    let area = normal.length();
-    if !area.is_finite() {
+    let (normal, reach) = size(corners);
+    if !normal.length().is_finite() {
         return Err(Error::Argument(
             "a polygon with a corner that is no point (repair it)".into(),
         ));
     }
-    if area <= 1e-12 * reach * reach {
+    if is_nothing(corners) {
         return Err(Error::Argument("a polygon without area (remove it)".into()));
     }
     if n == 3 {
         return Ok(vec![[0, 1, 2]]);
     }
     let normal = normal.unit();
+    let from = |k: usize| corners[k] - corners[0];
     let off = (0..n).map(|k| from(k).dot(normal).abs()).fold(0.0, f64::max);
+    if off > 1e-3 * reach && n == 4 {
+        // A bent square, as programs for curved shapes write them, is folded where most fold it.
+        return Ok(vec![[0, 1, 2], [0, 2, 3]]);
+    }
     if off > 1e-3 * reach {
         return Err(Error::Argument(format!(
             "a polygon that is not flat: a corner lies {off:.3e} off its plane, at a size of {reach:.3e} (cut it into triangles)"
@@ -43,6 +41,27 @@ pub(crate) fn triangles(corners: &[Vec3]) -> Result<Vec<[usize; 3]>> {
     let [u, v] = normal.frame();
     let flat: Vec<[f64; 2]> = (0..n).map(|k| [from(k).dot(u), from(k).dot(v)]).collect();
     ears(&flat, reach * reach * 1e-13)
+}
+
+/// Twice the area along the normal (Newell), about the first corner so that no digits are lost, and the greatest distance
+/// from that corner.
+fn size(corners: &[Vec3]) -> (Vec3, f64) {
+    let from = |k: usize| corners[k] - corners[0];
+    let mut normal = Vec3::default();
+    for k in 1..corners.len() - 1 {
+        normal += from(k).cross(from(k + 1));
+    }
+    let reach = (1..corners.len()).map(|k| from(k).length()).fold(0.0, f64::max);
+    (normal, reach)
+}
+
+/// Whether a polygon of three corners or more has no area.
+pub(super) fn is_nothing(corners: &[Vec3]) -> bool {
+    if corners.len() < 3 {
+        return false;
+    }
+    let (normal, reach) = size(corners);
+    normal.length() <= 1e-12 * reach * reach
 }
 
 /// Twice the area of a triangle, positive if it runs counter-clockwise.
@@ -216,6 +235,8 @@ mod tests {
         assert!(told(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 1.0], [-1.0, 3.0]]).contains("sides cross"));
         let mut bent = tilted(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], 1.0);
         bent[2].z += 0.1;
+        assert_eq!(triangles(&bent).unwrap(), [[0, 1, 2], [0, 2, 3]]);
+        bent.push(Vec3::new(-1.0, 0.5, 0.0));
         assert!(triangles(&bent).unwrap_err().to_string().contains("not flat"));
     }
 }
