@@ -6,6 +6,7 @@
 
 mod check;
 mod clip;
+mod lanes;
 mod media;
 mod scene;
 mod shape;
@@ -17,7 +18,10 @@ mod triangle;
 pub use scene::{Element, Scene};
 pub use shape::Shape;
 
-use self::tree::{Start, Tree};
+use self::lanes::{Lanes, Plain};
+use self::tree::{Stack, Start, Tree};
+use pulp::NullaryFnOnce;
+
 use super::{Area, Geometry, Hit, Meeting, NO_PIECE, Ray, Vec3};
 use crate::error::{Error, Result};
 
@@ -186,34 +190,8 @@ impl Mesh {
         })
     }
 
-    fn offset(&self, shift: [i32; 2]) -> Vec3 {
-        offset(&self.extents, shift)
-    }
-}
-
-impl Geometry for Mesh {
-    fn depth(&self) -> [f64; 2] {
-        self.depth
-    }
-
-    fn period(&self) -> [f64; 2] {
-        self.extents.map(|e| {
-            if e.repeated {
-                e.limits[1] - e.limits[0]
-            } else {
-                f64::INFINITY
-            }
-        })
-    }
-
-    fn area(&self) -> Area {
-        Area {
-            x: self.extents[0].limits,
-            y: self.extents[1].limits,
-        }
-    }
-
-    fn meet(&self, ray: &mut Ray) -> Meeting {
+    #[inline(always)]
+    fn follow<L: Lanes>(&self, lanes: L, ray: &mut Ray, stack: &mut Stack) -> Meeting {
         let direction = ray.direction;
         let mut origin = ray.origin;
         let mut travelled = 0.0;
@@ -247,7 +225,10 @@ impl Geometry for Mesh {
                 copy: start,
                 ago: travelled,
             };
-            if let Some((t, copy)) = self.tree.meet(origin, direction, to_side + self.tolerance, begin) {
+            if let Some((t, copy)) = self
+                .tree
+                .meet(lanes, origin, direction, to_side + self.tolerance, begin, stack)
+            {
                 return self.hit(ray, origin + direction * t, travelled + t, copy);
             }
             let to_end = if direction.z == 0.0 {
@@ -274,6 +255,80 @@ impl Geometry for Mesh {
             }
         }
         Meeting::Lost
+    }
+
+    fn offset(&self, shift: [i32; 2]) -> Vec3 {
+        offset(&self.extents, shift)
+    }
+}
+
+impl Geometry for Mesh {
+    fn depth(&self) -> [f64; 2] {
+        self.depth
+    }
+
+    fn period(&self) -> [f64; 2] {
+        self.extents.map(|e| {
+            if e.repeated {
+                e.limits[1] - e.limits[0]
+            } else {
+                f64::INFINITY
+            }
+        })
+    }
+
+    fn area(&self) -> Area {
+        Area {
+            x: self.extents[0].limits,
+            y: self.extents[1].limits,
+        }
+    }
+
+    fn meet(&self, ray: &mut Ray) -> Meeting {
+        let mut meeting = Meeting::Lost;
+        self.meet_all(std::slice::from_mut(ray), std::slice::from_mut(&mut meeting));
+        meeting
+    }
+
+    fn meet_all(&self, rays: &mut [Ray], meetings: &mut [Meeting]) {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(lanes) = pulp::x86::V3::try_new() {
+            lanes.vectorize(Many {
+                mesh: self,
+                lanes,
+                rays,
+                meetings,
+            });
+            return;
+        }
+        let mesh = self;
+        let lanes = Plain;
+        NullaryFnOnce::call(Many {
+            mesh,
+            lanes,
+            rays,
+            meetings,
+        });
+    }
+}
+
+/// Many rays, followed by the same instructions.
+struct Many<'a, L> {
+    mesh: &'a Mesh,
+    lanes: L,
+    rays: &'a mut [Ray],
+    meetings: &'a mut [Meeting],
+}
+
+impl<L: Lanes> NullaryFnOnce for Many<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let mut stack = Stack::with_capacity(64);
+        for (ray, meeting) in self.rays.iter_mut().zip(self.meetings) {
+            *meeting = self.mesh.follow(self.lanes, ray, &mut stack);
+        }
     }
 }
 

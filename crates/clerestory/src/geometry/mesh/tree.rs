@@ -1,42 +1,50 @@
 //! The bounding hierarchy: boxes in 32 bits, what is in them in 64.
 
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
-use obvhs::cwbvh::CwBvh;
-use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
-use obvhs::ray::{Ray as BoxRay, RayHit};
 
+use super::lanes::{Four, Lanes, Line, Node};
 use super::shape::Shape;
 use super::triangle::Sheared;
 use crate::geometry::Vec3;
 
 /// The boxes' frame is the cell, stretched along each axis to this length, so that all sizes keep the same digits.
 const SIZE: f64 = 1024.0;
-/// Boxes are widened by this much in their frame: rounding to 32 bits of positions, directions and reciprocals (5e-4), the
-/// least distance at which the traversal looks (1e-4), with reserve.
+/// Boxes are widened by this much in their frame, twice what rounding positions, directions and reciprocals to 32 bits can
+/// do over the way through the cell.
 const WIDER: f64 = 2e-3;
 /// Axes are stretched no more than this beyond the longest one, so that surface areas still tell what costs time.
 const STRETCH: f64 = 64.0;
+/// Components of directions that are smaller than this share of the greatest one are taken for this share: over the way
+/// through the cell it makes less than the widening.
+const LEAST: f64 = 1e-7;
 
-/// A shape where it stands in the cell, in the order of the hierarchy.
+/// What is in a box: a node, or with this bit a packet.
+const PACKET: u32 = 1 << 31;
+/// Shapes in a packet.
+const PACKED: usize = 4;
+const NOTHING: u32 = u32::MAX;
+
+/// Up to four shapes.
 #[derive(Debug, Clone)]
-struct Leaf {
-    triangle: [[f64; 3]; 3],
-    /// Number of the copy.
-    copy: u32,
-    /// Number of the curved shape, or [`FLAT`].
-    curved: u32,
+struct Packet {
+    triangles: Four,
+    /// Numbers of their copies.
+    copies: [u32; PACKED],
+    /// Numbers of curved shapes, or [`NOTHING`].
+    curved: [u32; PACKED],
+    has_curved: bool,
 }
-
-const FLAT: u32 = u32::MAX;
 
 /// Shapes by place.
 #[derive(Debug, Clone)]
 pub(super) struct Tree {
-    nodes: CwBvh,
-    leaves: Vec<Leaf>,
+    nodes: Vec<Node>,
+    packets: Vec<Packet>,
     curved: Vec<Shape>,
+    root: u32,
     centre: Vec3,
     scale: Vec3,
 }
@@ -50,6 +58,9 @@ pub(super) struct Start {
     pub ago: f64,
 }
 
+/// Boxes that a ray has still to look into, and where it comes into them.
+pub(super) type Stack = Vec<(f32, u32)>;
+
 impl Tree {
     /// From copies and their boxes, all within the limits `low` to `high`.
     pub fn new(copies: &[Shape], boxes: &[[Vec3; 2]], [low, high]: [Vec3; 2]) -> Self {
@@ -58,104 +69,272 @@ impl Tree {
         let longest = size.x.max(size.y).max(size.z);
         let stretch = |length: f64| SIZE / length.max(longest / STRETCH);
         let scale = Vec3::new(stretch(size.x), stretch(size.y), stretch(size.z));
+        let framed = |p: Vec3, wider: f64| {
+            let p = p - centre;
+            [p.x * scale.x + wider, p.y * scale.y + wider, p.z * scale.z + wider].map(|x| x as f32)
+        };
         let aabbs: Vec<Aabb> = boxes
             .iter()
-            .map(|[low, high]| {
-                let framed = |p: Vec3, wider: f64| {
-                    let p = p - centre;
-                    [p.x * scale.x + wider, p.y * scale.y + wider, p.z * scale.z + wider].map(|x| x as f32)
-                };
-                Aabb {
-                    min: framed(*low, -WIDER).into(),
-                    max: framed(*high, WIDER).into(),
-                }
+            .map(|[low, high]| Aabb {
+                min: framed(*low, -WIDER).into(),
+                max: framed(*high, WIDER).into(),
             })
             .collect();
-        let indices = (0..aabbs.len() as u32).collect();
-        let mut binary = PlocBuilder::with_capacity(aabbs.len()).build(
-            PlocSearchDistance::High,
-            &aabbs,
-            indices,
-            SortPrecision::U64,
-            2,
-        );
-        ReinsertionOptimizer::default().run(&mut binary, 0.25, None);
-        let nodes = bvh2_to_cwbvh(&binary, 2, true, false);
-        let mut curved = Vec::new();
-        let leaves = nodes
-            .primitive_indices
-            .iter()
-            .map(|&copy| {
-                let shape = copies[copy as usize];
-                let mut leaf = Leaf {
-                    triangle: [[0.0; 3]; 3],
-                    copy,
-                    curved: FLAT,
-                };
-                if let Shape::Triangle(corners) = shape {
-                    leaf.triangle = corners.map(Vec3::array);
-                } else {
-                    leaf.curved = curved.len() as u32;
-                    curved.push(shape);
-                }
-                leaf
-            })
-            .collect();
-        Self {
-            nodes,
-            leaves,
-            curved,
+        let mut tree = Self {
+            nodes: Vec::new(),
+            packets: Vec::new(),
+            curved: Vec::new(),
+            root: 0,
             centre,
             scale,
+        };
+        let indices = (0..aabbs.len() as u32).collect();
+        let distance = PlocSearchDistance::High;
+        let builder = &mut PlocBuilder::with_capacity(aabbs.len());
+        let mut binary = builder.build(distance, &aabbs, indices, SortPrecision::U64, 2);
+        ReinsertionOptimizer::default().run(&mut binary, 0.25, None);
+        tree.widen(&binary, copies);
+        tree
+    }
+
+    /// Takes over a binary hierarchy, eight boxes a node.
+    fn widen(&mut self, binary: &Bvh2, copies: &[Shape]) {
+        let counts = counts(binary);
+        let is_packet = |node: usize| counts[node] as usize <= PACKED;
+        // Nodes of the binary hierarchy that are still to be made, with the place that waits for their number.
+        let mut waiting = vec![(0_usize, usize::MAX, 0_usize)];
+        while let Some((top, parent, place)) = waiting.pop() {
+            let number = if is_packet(top) {
+                let packet = self.packet(binary, top, copies);
+                self.packets.push(packet);
+                PACKET | (self.packets.len() as u32 - 1)
+            } else {
+                let number = self.nodes.len();
+                let inside = opened(binary, top, is_packet);
+                let mut node = Node {
+                    bounds: [[f32::INFINITY; 8]; 6],
+                    children: [NOTHING; 8],
+                };
+                for far in &mut node.bounds[3..] {
+                    *far = [f32::NEG_INFINITY; 8];
+                }
+                for (k, &child) in inside.iter().enumerate() {
+                    let aabb = binary.nodes[child].aabb();
+                    let (min, max): ([f32; 3], [f32; 3]) = (aabb.min.into(), aabb.max.into());
+                    for axis in 0..3 {
+                        node.bounds[axis][k] = min[axis];
+                        node.bounds[axis + 3][k] = max[axis];
+                    }
+                    waiting.push((child, number, k));
+                }
+                self.nodes.push(node);
+                number as u32
+            };
+            match self.nodes.get_mut(parent) {
+                Some(node) => node.children[place] = number,
+                None => self.root = number,
+            }
         }
     }
 
+    fn packet(&mut self, binary: &Bvh2, top: usize, copies: &[Shape]) -> Packet {
+        let mut packet = Packet {
+            triangles: Four {
+                corners: [[[f64::NAN; PACKED]; 3]; 3],
+            },
+            copies: [NOTHING; PACKED],
+            curved: [NOTHING; PACKED],
+            has_curved: false,
+        };
+        for (k, copy) in primitives(binary, top).into_iter().enumerate() {
+            packet.copies[k] = copy;
+            let shape = copies[copy as usize];
+            if let Shape::Triangle(corners) = shape {
+                for (c, corner) in corners.into_iter().enumerate() {
+                    for (axis, x) in corner.array().into_iter().enumerate() {
+                        packet.triangles.corners[c][axis][k] = x;
+                    }
+                }
+            } else {
+                packet.curved[k] = self.curved.len() as u32;
+                packet.has_curved = true;
+                self.curved.push(shape);
+            }
+        }
+        packet
+    }
+
     /// The nearest copy that a ray meets within a reach, and how far away.
-    #[inline]
-    pub fn meet(&self, origin: Vec3, direction: Vec3, reach: f64, start: Start) -> Option<(f64, u32)> {
+    #[inline(always)]
+    pub fn meet<L: Lanes>(
+        &self,
+        lanes: L,
+        origin: Vec3,
+        direction: Vec3,
+        reach: f64,
+        start: Start,
+        stack: &mut Stack,
+    ) -> Option<(f64, u32)> {
+        let (line, slack) = self.line(origin, direction);
+        // Distances among boxes are metres, too.
+        let far = |t: f64| (t * (1.0 + 1e-6)) as f32 + slack;
+        let sheared = Sheared::new(direction.array());
+        let from = origin.array();
+        let (mut nearest, mut met) = (reach, NOTHING);
+        let mut limit = far(reach);
+        let mut next = self.root;
+        stack.clear();
+        loop {
+            if next & PACKET == 0 {
+                let node = &self.nodes[next as usize];
+                let (mut passed, enters) = lanes.boxes(node, &line, limit);
+                if passed != 0 {
+                    let k = passed.trailing_zeros() as usize;
+                    passed &= passed - 1;
+                    let mut first = (enters[k], node.children[k]);
+                    while passed != 0 {
+                        let k = passed.trailing_zeros() as usize;
+                        passed &= passed - 1;
+                        let mut other = (enters[k], node.children[k]);
+                        if other.0 < first.0 {
+                            std::mem::swap(&mut first, &mut other);
+                        }
+                        stack.push(other);
+                    }
+                    next = first.1;
+                    continue;
+                }
+            } else {
+                let packet = &self.packets[(next & !PACKET) as usize];
+                let (mut hits, t) = lanes.triangles(&packet.triangles, &sheared, &from, nearest);
+                while hits != 0 {
+                    let k = hits.trailing_zeros() as usize;
+                    hits &= hits - 1;
+                    if t[k] <= nearest && packet.copies[k] != start.copy {
+                        (nearest, met) = (t[k], packet.copies[k]);
+                    }
+                }
+                if packet.has_curved {
+                    self.meet_curved(packet, origin, direction, start, &mut nearest, &mut met);
+                }
+                limit = limit.min(far(nearest));
+            }
+            loop {
+                match stack.pop() {
+                    None => return (met != NOTHING).then_some((nearest, met)),
+                    Some((enters, inside)) if enters <= limit => {
+                        next = inside;
+                        break;
+                    }
+                    Some(_) => {}
+                }
+            }
+        }
+    }
+
+    /// A ray in the boxes' frame, and what distances may be wrong by.
+    #[inline(always)]
+    fn line(&self, origin: Vec3, direction: Vec3) -> (Line, f32) {
         let from = origin - self.centre;
-        let o = [from.x * self.scale.x, from.y * self.scale.y, from.z * self.scale.z];
-        let d = [
+        let from = [from.x * self.scale.x, from.y * self.scale.y, from.z * self.scale.z];
+        let along = [
             direction.x * self.scale.x,
             direction.y * self.scale.y,
             direction.z * self.scale.z,
         ];
-        // Distances in the boxes' frame are along the stretched direction.
-        let stretch = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
-        let d = d.map(|d| (d / stretch) as f32);
-        let far = |t: f64| (t * stretch * (1.0 + 1e-6)) as f32 + 1e-3;
-        let ray = BoxRay {
-            origin: o.map(|o| o as f32).into(),
-            direction: d.into(),
-            inv_direction: d.map(obvhs::ray::safe_inverse).into(),
-            tmin: 0.0,
-            tmax: far(reach),
-        };
-        let (mut nearest, mut met) = (reach, u32::MAX);
-        let sheared = Sheared::new(direction.array());
-        let origin_array = origin.array();
-        self.nodes.ray_traverse(ray, &mut RayHit::none(), |_, id| {
-            let leaf = &self.leaves[id];
-            let t = if leaf.curved == FLAT {
-                if leaf.copy == start.copy {
-                    return f32::INFINITY;
-                }
-                sheared.meet(&origin_array, &leaf.triangle)
+        let greatest = along[0].abs().max(along[1].abs()).max(along[2].abs());
+        let least = LEAST * greatest;
+        let inverse = along.map(|d| 1.0 / d.abs().max(least).copysign(d) as f32);
+        let side = |axis: usize| {
+            if along[axis] < 0.0 {
+                (axis + 3, axis)
             } else {
-                let shape = &self.curved[leaf.curved as usize];
-                if leaf.copy == start.copy {
-                    shape.meet(origin - direction * start.ago, direction, true) - start.ago
-                } else {
-                    shape.meet(origin, direction, false)
-                }
-            };
-            if t > 0.0 && t <= nearest {
-                nearest = t;
-                met = leaf.copy;
-                return far(t);
+                (axis, axis + 3)
             }
-            f32::INFINITY
-        });
-        (met != u32::MAX).then_some((nearest, met))
+        };
+        let [x, y, z] = [side(0), side(1), side(2)];
+        let line = Line {
+            origin: from.map(|x| x as f32),
+            inverse,
+            near: [x.0, y.0, z.0],
+            far: [x.1, y.1, z.1],
+        };
+        (line, (WIDER / greatest) as f32)
     }
+
+    #[inline(never)]
+    fn meet_curved(
+        &self,
+        packet: &Packet,
+        origin: Vec3,
+        direction: Vec3,
+        start: Start,
+        nearest: &mut f64,
+        met: &mut u32,
+    ) {
+        for (&curved, &copy) in packet.curved.iter().zip(&packet.copies) {
+            let Some(shape) = self.curved.get(curved as usize) else {
+                continue;
+            };
+            let t = if copy == start.copy {
+                shape.meet(origin - direction * start.ago, direction, true) - start.ago
+            } else {
+                shape.meet(origin, direction, false)
+            };
+            if t > 0.0 && t <= *nearest {
+                (*nearest, *met) = (t, copy);
+            }
+        }
+    }
+}
+
+/// How many shapes are in each node of a binary hierarchy.
+fn counts(binary: &Bvh2) -> Vec<u32> {
+    let mut counts = vec![0; binary.nodes.len()];
+    let mut waiting = vec![(0_usize, false)];
+    while let Some((number, ready)) = waiting.pop() {
+        let node = &binary.nodes[number];
+        let first = node.first_index as usize;
+        if node.is_leaf() {
+            counts[number] = node.prim_count;
+        } else if ready {
+            counts[number] = counts[first] + counts[first + 1];
+        } else {
+            waiting.extend([(number, true), (first, false), (first + 1, false)]);
+        }
+    }
+    counts
+}
+
+/// Up to eight nodes that together hold what one does: the largest ones are opened first.
+fn opened(binary: &Bvh2, top: usize, is_packet: impl Fn(usize) -> bool) -> Vec<usize> {
+    let first = binary.nodes[top].first_index as usize;
+    let mut inside = vec![first, first + 1];
+    while inside.len() < 8 {
+        let area = |k: usize| binary.nodes[inside[k]].aabb().half_area();
+        let closed = (0..inside.len()).filter(|&k| !is_packet(inside[k]));
+        let Some(largest) = closed.max_by(|&a, &b| area(a).total_cmp(&area(b))) else {
+            break;
+        };
+        let first = binary.nodes[inside[largest]].first_index as usize;
+        inside[largest] = first;
+        inside.push(first + 1);
+    }
+    inside
+}
+
+/// The shapes in a node.
+fn primitives(binary: &Bvh2, top: usize) -> Vec<u32> {
+    let mut all = Vec::with_capacity(PACKED);
+    let mut waiting = vec![top];
+    while let Some(number) = waiting.pop() {
+        let node = &binary.nodes[number];
+        let first = node.first_index as usize;
+        if node.is_leaf() {
+            all.extend(&binary.primitive_indices[first..first + node.prim_count as usize]);
+        } else {
+            waiting.extend([first, first + 1]);
+        }
+    }
+    all
 }

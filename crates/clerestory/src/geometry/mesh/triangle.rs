@@ -5,9 +5,9 @@
 /// (Woop, Benthin, Wald 2013, JCGT 2(1)).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sheared {
-    axes: [usize; 3],
-    shear: [f64; 2],
-    scale: f64,
+    pub axes: [usize; 3],
+    pub shear: [f64; 2],
+    pub scale: f64,
 }
 
 impl Sheared {
