@@ -79,10 +79,10 @@ impl Facets {
         names: [u32; 2],
         place: impl Fn() -> String,
     ) -> Result<()> {
-        if let Some(p) = corners.iter().find(|p| p.iter().any(|x| !x.is_finite())) {
+        if let Some([x, y, z]) = corners.iter().find(|p| p.iter().any(|x| !x.is_finite())) {
             return Err(Error::format(
                 place(),
-                format!("a corner at ({}, {}, {})", p[0], p[1], p[2]),
+                format!("a corner at ({x}, {y}, {z})"),
                 "give finite numbers",
             ));
         }
@@ -259,7 +259,7 @@ mod tests {
     fn faults_are_told_with_their_place() {
         let facet = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, f32::NAN, 0.0, 1.0, 0.0];
         for (bytes, part) in [
-            (TEXT[..120].as_bytes().to_vec(), "stands where"),
+            (TEXT.as_bytes()[..120].to_vec(), "stands where"),
             (
                 TEXT.replace("1e0", "x").into_bytes(),
                 "line 6: \"vertex 0 x 0\" stands where vertex and three numbers",

@@ -1,4 +1,8 @@
 //! Eight boxes or four triangles at once, by the vector instructions of the processor at hand.
+#![allow(
+    clippy::inline_always,
+    reason = "what runs on vector instructions must be made with them"
+)]
 
 use super::triangle::Sheared;
 
@@ -74,7 +78,7 @@ impl Lanes for Plain {
 mod avx2 {
     use pulp::x86::V3;
     use pulp::{cast, f64x4};
-    use std::arch::x86_64::{__m256, __m256d};
+    use std::arch::x86_64::{__m256, __m256d, _CMP_LE_OQ};
 
     use super::super::triangle::Sheared;
     use super::{Four, Lanes, Line, Node};
@@ -110,8 +114,7 @@ mod avx2 {
                 enters = avx._mm256_max_ps(enters, near);
                 leaves = avx._mm256_min_ps(leaves, far);
             }
-            const LESS_OR_EQUAL: i32 = 18;
-            let passed = avx._mm256_cmp_ps::<LESS_OR_EQUAL>(enters, leaves);
+            let passed = avx._mm256_cmp_ps::<_CMP_LE_OQ>(enters, leaves);
             (avx._mm256_movemask_ps(passed) as u32, cast(enters))
         }
 

@@ -190,6 +190,10 @@ impl Mesh {
         })
     }
 
+    #[allow(
+        clippy::inline_always,
+        reason = "what runs on vector instructions must be made with them"
+    )]
     #[inline(always)]
     fn follow<L: Lanes>(&self, lanes: L, ray: &mut Ray, stack: &mut Stack) -> Meeting {
         let direction = ray.direction;
@@ -323,6 +327,10 @@ struct Many<'a, L> {
 impl<L: Lanes> NullaryFnOnce for Many<'_, L> {
     type Output = ();
 
+    #[allow(
+        clippy::inline_always,
+        reason = "what runs on vector instructions must be made with them"
+    )]
     #[inline(always)]
     fn call(self) {
         let mut stack = Stack::with_capacity(64);

@@ -1,4 +1,8 @@
 //! The bounding hierarchy: boxes in 32 bits, what is in them in 64.
+#![allow(
+    clippy::inline_always,
+    reason = "what runs on vector instructions must be made with them"
+)]
 
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
