@@ -1,9 +1,9 @@
 //! Meshes and scene files.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clerestory::geometry::{Extent, Mesh, Scene, Shape, Vec3};
-use clerestory::io::radiance;
+use clerestory::io::{obj, ply, radiance, stl};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -24,6 +24,21 @@ type MaterialRow = (String, String, Vec<String>, Vec<f64>, f64, String);
 /// A round shape: its kind, the number of its surface, and its numbers.
 type RoundRow = (&'static str, u32, Vec<f64>);
 
+impl PyScene {
+    fn of_file(
+        py: Python<'_>,
+        read: fn(&Path, f64) -> clerestory::Result<Scene>,
+        path: &Path,
+        metres_per_unit: f64,
+    ) -> PyResult<Self> {
+        let scene = py.detach(|| read(path, metres_per_unit)).map_err(raise)?;
+        Ok(Self {
+            scene,
+            materials: Vec::new(),
+        })
+    }
+}
+
 #[pymethods]
 impl PyScene {
     /// A Radiance scene; lengths in the file are of so many metres.
@@ -34,6 +49,24 @@ impl PyScene {
             scene: read.scene,
             materials: read.materials,
         })
+    }
+
+    /// A Wavefront OBJ file; lengths in it are of so many metres.
+    #[staticmethod]
+    fn obj(py: Python<'_>, path: PathBuf, metres_per_unit: f64) -> PyResult<Self> {
+        Self::of_file(py, obj::read, &path, metres_per_unit)
+    }
+
+    /// An STL file; lengths in it are of so many metres.
+    #[staticmethod]
+    fn stl(py: Python<'_>, path: PathBuf, metres_per_unit: f64) -> PyResult<Self> {
+        Self::of_file(py, stl::read, &path, metres_per_unit)
+    }
+
+    /// A PLY file; lengths in it are of so many metres.
+    #[staticmethod]
+    fn ply(py: Python<'_>, path: PathBuf, metres_per_unit: f64) -> PyResult<Self> {
+        Self::of_file(py, ply::read, &path, metres_per_unit)
     }
 
     /// From corners (n, 3) in metres, triangles (m, 3), the surface of each and the surfaces' names.
