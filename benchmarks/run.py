@@ -14,6 +14,7 @@ import agreement  # noqa: E402
 import conversion  # noqa: E402
 import loading  # noqa: E402
 import lookups  # noqa: E402
+import rays  # noqa: E402
 from samples import sample_root  # noqa: E402
 from timing import machine  # noqa: E402
 
@@ -22,6 +23,7 @@ JOBS = {
     "loading": loading.report,
     "conversion": conversion.report,
     "lookups": lookups.report,
+    "rays": rays.report,
 }
 
 

@@ -9,6 +9,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use crate::direction::Disk;
 use crate::error::{Error, Result};
+use crate::sequence::circle;
 
 /// One ring of equal patches. Angles are polar angles in degrees, as files and standards give them.
 #[derive(Debug, Clone, PartialEq)]
@@ -379,7 +380,7 @@ impl Basis {
         let (ring, cell) = self.place(patch);
         let [a, b] = self.ring_sin2(ring);
         let r = (a + u[0] * (b - a)).sqrt();
-        let (s, c) = self.azimuth_in(ring, cell, u[1]).sin_cos();
+        let [c, s] = circle(self.turns_in(ring, cell, u[1]));
         Disk { x: r * c, y: r * s }
     }
 
@@ -390,12 +391,12 @@ impl Basis {
         let (cos_a, cos_b) = ((1.0 - a).sqrt(), (1.0 - b).sqrt());
         let cos = cos_a + u[0] * (cos_b - cos_a);
         let r = (1.0 - cos * cos).max(0.0).sqrt();
-        let (s, c) = self.azimuth_in(ring, cell, u[1]).sin_cos();
+        let [c, s] = circle(self.turns_in(ring, cell, u[1]));
         Disk { x: r * c, y: r * s }
     }
 
-    fn azimuth_in(&self, ring: usize, cell: usize, u: f64) -> f64 {
-        TAU * (cell as f64 + u - 0.5) / self.rings[ring].count as f64
+    fn turns_in(&self, ring: usize, cell: usize, u: f64) -> f64 {
+        (cell as f64 + u - 0.5) / self.counts[ring]
     }
 
     /// Patch of the same path travelled backwards (azimuth + 180°), where the basis has one: rings of an even number

@@ -33,6 +33,47 @@ pub fn uniform(seed: u64, index: u64) -> f64 {
     (mix(mix(seed) ^ index) >> 11) as f64 / (1_u64 << 53) as f64
 }
 
+/// One over the factorials of the odd numbers, with their signs.
+const SIN: [f64; 8] = [
+    1.0,
+    -1.0 / 6.0,
+    1.0 / 120.0,
+    -1.0 / 5_040.0,
+    1.0 / 362_880.0,
+    -1.0 / 39_916_800.0,
+    1.0 / 6_227_020_800.0,
+    -1.0 / 1_307_674_368_000.0,
+];
+/// One over the factorials of the even numbers, with their signs.
+const COS: [f64; 8] = [
+    1.0,
+    -1.0 / 2.0,
+    1.0 / 24.0,
+    -1.0 / 720.0,
+    1.0 / 40_320.0,
+    -1.0 / 3_628_800.0,
+    1.0 / 479_001_600.0,
+    -1.0 / 87_178_291_200.0,
+];
+
+/// Cosine and sine of `turns` of a full turn, from -1/2 to 1 of it; to 1e-15, the same on every machine, and
+/// quicker than the general functions. Series about the nearest quarter turn.
+#[inline]
+pub fn circle(turns: f64) -> [f64; 2] {
+    let quarters = 4.0 * turns + 3.5;
+    let whole = quarters as u32;
+    let x = (quarters - f64::from(whole) - 0.5) * std::f64::consts::FRAC_PI_2;
+    let s = x * x;
+    let series = |terms: [f64; 8]| terms.iter().rev().fold(0.0, |sum, t| sum * s + t);
+    let sin = x * series(SIN);
+    let cos = series(COS);
+    let [a, b] = if whole & 1 == 0 { [sin, cos] } else { [cos, sin] };
+    // The quarter about azimuth 0 is number 3.
+    let cos_sign = [-1.0, -1.0, 1.0, 1.0][(whole & 3) as usize];
+    let sin_sign = [1.0, -1.0, -1.0, 1.0][(whole & 3) as usize];
+    [cos_sign * a, sin_sign * b]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -54,5 +95,18 @@ mod tests {
         let mean = values.iter().sum::<f64>() / n as f64;
         let var = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n as f64;
         assert!((mean - 0.5).abs() < 5e-3 && (var - 1.0 / 12.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn circles_are_round() {
+        for k in -2000..=4000 {
+            let turns = f64::from(k) / 4000.0;
+            let [cos, sin] = circle(turns);
+            let (s, c) = (std::f64::consts::TAU * turns).sin_cos();
+            assert!(
+                (cos - c).abs() < 2e-15 && (sin - s).abs() < 2e-15,
+                "{turns} {cos} {sin}"
+            );
+        }
     }
 }

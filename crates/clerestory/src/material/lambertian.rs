@@ -1,9 +1,10 @@
 //! Even scattering to both sides.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use super::{Arrival, Departure, Draws};
 use crate::geometry::Vec3;
+use crate::sequence::circle;
 
 /// Reflected or transmitted, drawn by what the bands carry.
 pub(super) fn scatter<const N: usize>(
@@ -64,12 +65,12 @@ pub(super) fn evaluate<const N: usize>(
     std::array::from_fn(|b| values[b] / PI)
 }
 
-/// A direction about a normal, its density in proportion to the cosine.
+/// A direction about a normal of length 1, its density in proportion to the cosine.
 pub fn cosine(normal: Vec3, u: [f64; 2]) -> Vec3 {
     let [t, b] = normal.frame();
     let r = u[0].sqrt();
-    let (sin, cos) = (TAU * u[1] - PI).sin_cos();
+    let [cos, sin] = circle(u[1]);
     // At least a little above the surface, so that light never runs in it.
     let z = (1.0 - u[0]).max(1e-12).sqrt();
-    (t * (r * cos) + b * (r * sin) + normal * z).unit()
+    t * (r * cos) + b * (r * sin) + normal * z
 }

@@ -172,8 +172,10 @@ impl<'a, const N: usize> Flight<'a, N> {
                 collector,
                 balance,
             ) {
-                self.rays.swap(kept, k);
-                self.paths.swap(kept, k);
+                if kept < k {
+                    self.rays.swap(kept, k);
+                    self.paths.swap(kept, k);
+                }
                 kept += 1;
             }
         }

@@ -74,8 +74,12 @@ macro_rules! with_bands {
 }
 pub(super) use with_bands;
 
-/// Number of bands, if it can be traced.
+/// Number of bands, if it can be traced: its geometry agrees on where its media are.
 pub fn checked(sample: &Sample) -> Result<usize> {
+    let media: Vec<[u16; 2]> = sample.surfaces.iter().map(|s| s.media).collect();
+    for layer in &sample.layers {
+        layer.check_media(&media)?;
+    }
     match sample.bands.len() {
         0 => Err(Error::Missing("the sample has no bands (name at least one)".into())),
         n if n > MAX_BANDS => Err(Error::Unsupported(format!(

@@ -267,6 +267,10 @@ impl Mesh {
 }
 
 impl Geometry for Mesh {
+    fn check_media(&self, media: &[[u16; 2]]) -> Result<()> {
+        Self::check_media(self, media)
+    }
+
     fn depth(&self) -> [f64; 2] {
         self.depth
     }
