@@ -57,6 +57,8 @@ struct Path<const N: usize> {
     events: u32,
     medium: u16,
     layer: u16,
+    /// Whole periods that its layer has taken off along x and y (metres): another layer has others.
+    taken_off: [f64; 2],
     specular: bool,
 }
 
@@ -75,6 +77,9 @@ pub struct Flight<'a, const N: usize> {
     paths: Vec<Path<N>>,
     rays: Vec<Ray>,
     meetings: Vec<Meeting>,
+    /// Rays of one layer, where there are several.
+    together: Vec<Ray>,
+    met: Vec<Meeting>,
 }
 
 impl<'a, const N: usize> Flight<'a, N> {
@@ -87,6 +92,8 @@ impl<'a, const N: usize> Flight<'a, N> {
             paths: Vec::with_capacity(BATCH),
             rays: Vec::with_capacity(BATCH),
             meetings: vec![Meeting::Lost; BATCH],
+            together: Vec::new(),
+            met: vec![Meeting::Lost; if scene.sample.layers.len() > 1 { BATCH } else { 0 }],
         }
     }
 
@@ -145,8 +152,39 @@ impl<'a, const N: usize> Flight<'a, N> {
             events: 0,
             medium: 0,
             layer: layer as u16,
+            taken_off: [0.0; 2],
             specular: true,
         });
+    }
+
+    /// Meets each path's own layer, all paths of a layer together.
+    fn meet_layers(&mut self) {
+        for (number, layer) in self.scene.sample.layers.iter().enumerate() {
+            let of_layer = |paths: &[Path<N>], k: usize| usize::from(paths[k].layer) == number;
+            self.together.clear();
+            for (k, ray) in self.rays.iter().enumerate() {
+                if of_layer(&self.paths, k) {
+                    self.together.push(*ray);
+                }
+            }
+            let met = &mut self.met[..self.together.len()];
+            layer.meet_all(&mut self.together, met);
+            let mut found = self.together.iter().zip(met);
+            for k in 0..self.rays.len() {
+                if !of_layer(&self.paths, k) {
+                    continue;
+                }
+                let (Some((ray, meeting)), start) = (found.next(), self.rays[k]) else {
+                    break;
+                };
+                if let Meeting::Hit(hit) = meeting {
+                    let off = start.origin + start.direction * hit.distance - ray.origin;
+                    let taken = &mut self.paths[k].taken_off;
+                    *taken = [taken[0] + off.x, taken[1] + off.y];
+                }
+                (self.rays[k], self.meetings[k]) = (*ray, *meeting);
+            }
+        }
     }
 
     /// Moves all paths to their next event.
@@ -155,9 +193,7 @@ impl<'a, const N: usize> Flight<'a, N> {
         if let [layer] = &self.scene.sample.layers[..] {
             layer.meet_all(&mut self.rays, &mut self.meetings[..n]);
         } else {
-            for k in 0..n {
-                self.meetings[k] = self.scene.sample.layers[usize::from(self.paths[k].layer)].meet(&mut self.rays[k]);
-            }
+            self.meet_layers();
         }
         let mut kept = 0;
         for k in 0..n {
@@ -206,6 +242,8 @@ fn step<const N: usize>(
             let beyond = i32::from(path.layer) + if ray.direction.z > 0.0 { 1 } else { -1 };
             if (0..scene.sample.layers.len() as i32).contains(&beyond) {
                 path.layer = beyond as u16;
+                let [x, y] = std::mem::take(&mut path.taken_off);
+                ray.origin += Vec3::new(x, y, 0.0);
                 ray.piece = NO_PIECE;
                 return true;
             }
@@ -341,4 +379,54 @@ fn leave<const N: usize>(
         ray,
         draws: path.draws,
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::super::testing::stretches;
+    use super::super::{Goniophotometer, Sample, Settings, State, Stop};
+    use super::*;
+    use crate::basis::Basis;
+    use crate::material::Material;
+
+    /// Paths that pass, by incident patch.
+    fn passed(sample: &Sample) -> Vec<f64> {
+        let basis = Arc::new(Basis::klems_quarter());
+        let instrument = Goniophotometer {
+            settings: Settings {
+                sides: vec![Side::Exterior],
+                stop: Stop::Paths(4096),
+                ..Settings::default()
+            },
+        };
+        let measured = instrument
+            .matrices(sample, &basis, &basis, &mut State::default(), &Progress::default())
+            .expect("a sound sample");
+        measured.places.iter().map(|p| p.balance[0][1]).collect()
+    }
+
+    #[test]
+    fn layers_of_different_periods_keep_their_places() {
+        let mirror = || Material::Mirror { reflectance: vec![1.0] };
+        let slat = |k: f64| [[0.0, k + 0.5], [3.0, k + 0.5]];
+        let post = |k: f64| [[4.0, 0.7 * k], [4.0, 0.7 * k + 0.35]];
+        let counted = |n: u8, piece: fn(f64) -> [[f64; 2]; 2]| (0..n).map(move |k| piece(f64::from(k)));
+        let mut layered = stretches(&[slat(0.0)], 1.0, mirror(), 1);
+        layered
+            .layers
+            .append(&mut stretches(&[post(0.0)], 0.7, mirror(), 1).layers);
+        // The same in one layer of seven and ten periods.
+        let all: Vec<_> = counted(7, slat).chain(counted(10, post)).collect();
+        let whole = stretches(&all, 7.0, mirror(), 1);
+        let (layered, whole) = (passed(&layered), passed(&whole));
+        assert!(
+            whole.iter().any(|n| *n < 3000.0) && whole.iter().all(|n| *n > 1000.0),
+            "{whole:?}"
+        );
+        for (a, b) in layered.iter().zip(&whole) {
+            assert!((a - b).abs() <= 2.0, "{layered:?} {whole:?}");
+        }
+    }
 }
