@@ -137,7 +137,7 @@ fn measure(profile: Profile, reflectance: f64) -> f64 {
     for _ in 0..3 {
         let start = Instant::now();
         let measured = instrument
-            .matrices(&sample, &basis, &basis, &mut State::default(), &Progress::default())
+            .matrices(&sample, &basis, &basis, &mut State::new(""), &Progress::default())
             .expect("a sound sample");
         best = best.max(measured.paths as f64 / start.elapsed().as_secs_f64());
     }

@@ -402,7 +402,7 @@ mod tests {
             },
         };
         let measured = instrument
-            .matrices(sample, &basis, &basis, &mut State::default(), &Progress::default())
+            .matrices(sample, &basis, &basis, &mut State::new(""), &Progress::default())
             .expect("a sound sample");
         measured.places.iter().map(|p| p.balance[0][1]).collect()
     }

@@ -1,15 +1,17 @@
-//! Rays against many parts: a hierarchy of boxes, eight of them or eight parts at a time, in the lanes of vector registers.
+//! Rays against many parts: a hierarchy of boxes, several of them or several parts at a time, in the lanes of vector registers.
 
 #![allow(clippy::inline_always)] // Code for a processor's own instructions must be inlined where those are switched on.
 
 use pulp::{Simd, WithSimd};
 
 use super::few::{Block, FARTHEST};
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Mask};
 use super::part::Part;
 
-/// Boxes of a node and parts of a leaf; as many as the widest registers have lanes.
+/// Boxes of a node; as many as the widest registers have lanes.
 const WIDTH: usize = 8;
+/// Parts of a leaf at most; there is room for as many as the widest registers have lanes.
+const FULL: usize = 4;
 /// Marks a leaf among children.
 const LEAF: u32 = 1 << 31;
 
@@ -55,7 +57,7 @@ struct Node {
     children: [u32; WIDTH],
 }
 
-/// Eight parts; what is not used has a negative length.
+/// A few parts; what is not used has a negative length.
 #[derive(Debug, Clone)]
 struct Leaf {
     z: Eight,
@@ -66,6 +68,8 @@ struct Leaf {
     curvature: Eight,
     radius: Eight,
     number: Eight,
+    /// None of them is an arc.
+    straight: bool,
 }
 
 /// A hierarchy of parts.
@@ -111,7 +115,7 @@ impl Tree {
         while groups.len() < WIDTH {
             let cost = |g: &[(u32, Bounds)]| Bounds::of(g).size() * g.len() as f64;
             let worst = (0..groups.len())
-                .filter(|&k| groups[k].len() > WIDTH)
+                .filter(|&k| groups[k].len() > FULL)
                 .max_by(|&a, &b| cost(groups[a]).total_cmp(&cost(groups[b])));
             let Some(worst) = worst else { break };
             let [a, b] = split(groups.swap_remove(worst));
@@ -128,7 +132,7 @@ impl Tree {
         });
         for (k, group) in groups.into_iter().enumerate() {
             let bounds = Bounds::of(group);
-            let child = if group.len() <= WIDTH {
+            let child = if group.len() <= FULL {
                 self.leaves.push(leaf(group, parts));
                 (self.leaves.len() - 1) as u32 | LEAF
             } else {
@@ -155,6 +159,7 @@ fn leaf(group: &[(u32, Bounds)], parts: &[Part]) -> Leaf {
         half: field(-1.0, |p| p.half * (1.0 + 1e-14)),
         curvature: field(0.0, |p| p.curvature),
         radius: field(1.0, |p| 1.0 / p.curvature),
+        straight: group.iter().all(|(number, _)| parts[*number as usize].curvature == 0.0),
         number: std::array::from_fn(|k| group.get(k).map_or(-2.0, |(number, _)| f64::from(*number))),
     }
 }
@@ -354,20 +359,29 @@ impl Leaf {
         let splat = |v| Lanes::splat(simd, v);
         let zero = splat(0.0);
         let (dz, dy) = (splat(ray.dz), splat(ray.dy));
-        for k in (0..WIDTH).step_by(S::F64_LANES) {
+        for k in (0..FULL).step_by(S::F64_LANES) {
             let load = |from: &Eight| Lanes::load(simd, &from[k..]);
             let (nz, ny) = (load(&self.normal_z), load(&self.normal_y));
             let (oz, oy) = (splat(ray.z) - load(&self.z), splat(ray.y) - load(&self.y));
-            let (half, curvature, radius) = (load(&self.half), load(&self.curvature), load(&self.radius));
+            let half = load(&self.half);
             let c = nz * dz + ny * dy;
-            let m = ny * dz - nz * dy;
             let q = dz * oy - dy * oz;
+            let itself = load(&self.number).eq(splat(ray.own));
+            if self.straight {
+                let per_c = splat(1.0) / c;
+                let way = -(nz * oz + ny * oy) * per_c;
+                let along = -q * per_c;
+                let ok = zero.lt(way) & way.lt(splat(best.way)) & along.abs().le(half) & !itself;
+                self.take(ok, k, way, along, zero, best);
+                continue;
+            }
+            let (curvature, radius) = (load(&self.curvature), load(&self.radius));
+            let m = ny * dz - nz * dy;
             let nearest = -(oz * dz + oy * dy);
             let two_m = m + m;
             let kq = curvature * q;
             let root = (c * c + kq * (two_m - kq)).sqrt();
             let sum = c + root * c.sign();
-            let itself = load(&self.number).eq(splat(ray.own));
             let ways = [
                 itself.select((c + c) * radius + nearest, sum * radius),
                 itself.select(splat(f64::NEG_INFINITY), q * (kq - two_m) / sum),
@@ -378,23 +392,38 @@ impl Leaf {
                 let across = q * m + t * c;
                 let ok =
                     zero.lt(way) & way.lt(splat(best.way)) & along.abs().le(half) & (curvature * across).lt(splat(1.0));
-                if ok.any() {
-                    let mut found = [[f64::INFINITY; WIDTH]; 3];
-                    ok.select(way, splat(f64::INFINITY)).store(&mut found[0]);
-                    along.store(&mut found[1]);
-                    across.store(&mut found[2]);
-                    let [ways, alongs, acrosses] = found;
-                    for (lane, &way) in ways.iter().enumerate().take(S::F64_LANES) {
-                        if way < best.way {
-                            *best = Best {
-                                way,
-                                part: self.number[k + lane],
-                                along: alongs[lane],
-                                across: acrosses[lane],
-                            };
-                        }
-                    }
-                }
+                self.take(ok, k, way, along, across, best);
+            }
+        }
+    }
+
+    /// The nearest of the lanes that count.
+    #[inline(always)]
+    fn take<S: Simd>(
+        &self,
+        ok: Mask<S>,
+        first: usize,
+        way: Lanes<S>,
+        along: Lanes<S>,
+        across: Lanes<S>,
+        best: &mut Best,
+    ) {
+        if !ok.any() {
+            return;
+        }
+        let mut found = [[f64::INFINITY; WIDTH]; 3];
+        ok.select(way, way.same(f64::INFINITY)).store(&mut found[0]);
+        along.store(&mut found[1]);
+        across.store(&mut found[2]);
+        let [ways, alongs, acrosses] = found;
+        for (lane, &way) in ways.iter().enumerate().take(S::F64_LANES) {
+            if way < best.way {
+                *best = Best {
+                    way,
+                    part: self.number[first + lane],
+                    along: alongs[lane],
+                    across: acrosses[lane],
+                };
             }
         }
     }
