@@ -292,7 +292,7 @@ fn share_along(rim: &Rim, point: Vec3, period: [Option<f64>; 3], grid: f64) -> O
 mod tests {
     use super::super::testing::{cube, prisms, quad};
     use super::super::{Element, Extent, Mesh, Scene, Shape};
-    use crate::geometry::Vec3;
+    use crate::geometry::{Geometry, Vec3};
 
     const GLASS: [[u16; 2]; 1] = [[0, 1]];
 

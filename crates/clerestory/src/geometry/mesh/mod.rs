@@ -131,12 +131,6 @@ impl Mesh {
             .map_or_else(|| "free space".into(), |c| self.scene.name(c.element as usize))
     }
 
-    /// Checks that every medium but the first has a closed border, its surfaces agreeing on where it is. `media` lists, for
-    /// each surface, the medium before its front and the one behind its back.
-    pub fn check_media(&self, media: &[[u16; 2]]) -> Result<()> {
-        media::check(&self.scene, &self.extents, media)
-    }
-
     /// The copy that stands where another one does once the ray has gone on by whole periods.
     fn moved(&self, copy: u32, by: [i32; 2]) -> u32 {
         let Some(&Copy { element, shift }) = self.copies.get(copy as usize) else {
@@ -268,7 +262,7 @@ impl Mesh {
 
 impl Geometry for Mesh {
     fn check_media(&self, media: &[[u16; 2]]) -> Result<()> {
-        Self::check_media(self, media)
+        media::check(&self.scene, &self.extents, media)
     }
 
     fn depth(&self) -> [f64; 2] {
@@ -659,6 +653,59 @@ mod tests {
             }
             assert_eq!(count, 3);
         }
+    }
+
+    #[test]
+    fn an_extruded_mesh_is_its_profile() {
+        // A tilted slat and a folded one, 72 mm apart; the mesh is 50 mm wide and repeated.
+        let (pitch, wide) = (0.072, 0.05);
+        let points = [[-0.03, 0.01], [0.04, 0.03], [0.0, 0.055], [-0.035, 0.05]];
+        let mut scene = Scene::default();
+        let mut pieces = Vec::new();
+        for (from, to) in [(0, 1), (2, 1), (3, 2)] {
+            let ([z0, y0], [z1, y1]) = (points[from], points[to]);
+            pieces.push(crate::geometry::Piece {
+                from: [z0, y0],
+                to: [z1, y1],
+                turn: 0.0,
+                surface: from as u32,
+            });
+            let corners = [v(0.0, y1, z1), v(wide, y1, z1), v(wide, y0, z0), v(0.0, y0, z0)];
+            quad(&mut scene, corners, from as u32);
+        }
+        let profile = crate::geometry::Profile::new(pieces, pitch).expect("a sound section");
+        let mesh = Mesh::new(scene, [repeated([0.0, wide]), repeated([0.0, pitch])]).expect("a sound scene");
+        let (mut hits, mut bounces) = (0, 0);
+        for k in 0..50_000 {
+            let mut direction = direction(k, 31);
+            direction.z = direction.z.abs().max(1e-3);
+            let origin = v(wide * uniform(2, 2 * k), pitch * uniform(2, 2 * k + 1), -0.05);
+            let mut ours = Ray {
+                origin,
+                direction: direction.unit(),
+                piece: NO_PIECE,
+            };
+            let mut theirs = ours;
+            // In step, mirrored at each hit, until both leave.
+            for _ in 0..20 {
+                match (mesh.meet(&mut ours), profile.meet(&mut theirs)) {
+                    (Meeting::Hit(a), Meeting::Hit(b)) => {
+                        let same = (a.distance - b.distance).abs() < 1e-9 * b.distance.max(1e-3);
+                        let turned = a.normal.dot(b.normal);
+                        assert!(same && (turned - 1.0).abs() < 1e-12, "{k}: {a:?} {b:?}");
+                        assert_eq!(a.surface, b.surface);
+                        let d = ours.direction;
+                        ours.direction = (d - a.normal * (2.0 * d.dot(a.normal))).unit();
+                        theirs.direction = ours.direction;
+                        hits += 1;
+                    }
+                    (Meeting::Leaves, Meeting::Leaves) => break,
+                    (a, b) => panic!("{k}: {a:?} {b:?}"),
+                }
+                bounces += 1;
+            }
+        }
+        assert!(hits > 50_000 && bounces == hits, "{hits} {bounces}");
     }
 
     #[test]

@@ -101,7 +101,7 @@ pub fn parse(text: &[u8], metres_per_unit: f64, open: &mut dyn FnMut(&str) -> Re
 /// Bytes that are read again and again by nested arrays before it is enough.
 const BUDGET: usize = 1 << 31;
 /// Shapes that a scene may have.
-const MOST_SHAPES: usize = 50_000_000;
+const MOST_SHAPES: usize = 10_000_000;
 /// Files within files.
 const MOST_NESTED: u32 = 32;
 
