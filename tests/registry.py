@@ -211,6 +211,23 @@ def _cases() -> list[Case]:
             lambda: transmission(Model.specular(np.linspace(0.9, 0.1, len(full)), basis=full)),
             diffuse,
         ),
+        Case(
+            "measured beam beside a table",
+            lambda: transmission(
+                Model.sum(
+                    [
+                        (0.4, table(full, seed=12)),
+                        (
+                            1.0,
+                            Model.specular(
+                                np.linspace(0.5, 0.1, len(full)), basis=full, standard_error=np.full(len(full), 0.01)
+                            ),
+                        ),
+                    ]
+                )
+            ),
+            of(full),
+        ),
         *(
             Case(f"matrix on {name}", lambda name=name: transmission(table(Basis.named(name))), of(name))
             for name in basis_names

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clerestory import _core
+from clerestory._core import ClerestoryError
 from clerestory.basis import Basis
 from clerestory.tree import TreeOperations
 
@@ -56,7 +57,9 @@ class Model(TreeOperations):
         return cls(_core.Model.lambertian(value))
 
     @classmethod
-    def specular(cls, value: float | ArrayLike, *, basis: Basis | None = None) -> Model:
+    def specular(
+        cls, value: float | ArrayLike, *, basis: Basis | None = None, standard_error: ArrayLike | None = None
+    ) -> Model:
         """Ideal straight or mirrored beam.
 
         Parameters
@@ -66,8 +69,19 @@ class Model(TreeOperations):
             sin²θ from 0 to 1.
         basis
             Incident patches of the values.
+        standard_error
+            One a patch, for a measured beam.
+
+        Raises
+        ------
+        ClerestoryError
+            Standard errors are given without a basis, or numbers do not fit.
         """
         values = np.asarray(value, dtype=np.float64)
+        if standard_error is not None:
+            if basis is None or values.ndim == 0:
+                raise ClerestoryError("standard errors of a beam go with values by patch (give basis and values)")
+            return cls(_core.Model.beam(basis._core, values, np.asarray(standard_error, dtype=np.float64)))
         if values.ndim == 0:
             return cls(_core.Model.specular(float(values)))
         if basis is None:
@@ -90,7 +104,7 @@ class Model(TreeOperations):
 
     @property
     def kind(self) -> str:
-        """matrix, tensor tree, Lambertian, specular, sum, turned, reversed or separated."""
+        """matrix, tensor tree, Lambertian, specular, beam, sum, turned, reversed or separated."""
         return self._core.kind
 
     def __repr__(self) -> str:

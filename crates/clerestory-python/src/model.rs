@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use clerestory::bsdf::{Lambertian, Matrix, Model, Specular, Sum};
+use clerestory::bsdf::{Beam, Cells, Lambertian, Matrix, Model, Specular, Sum};
 use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -84,6 +84,15 @@ impl PyModel {
     fn specular_patches(basis: &PyBasis, values: PyReadonlyArray1<'_, f64>) -> PyResult<Self> {
         Specular::patches(basis.0.clone(), values.as_array().to_vec())
             .map(|s| Self::of(Model::Specular(s)))
+            .map_err(raise)
+    }
+
+    /// Measured beam: one value and one standard error a patch.
+    #[staticmethod]
+    fn beam(basis: &PyBasis, values: PyReadonlyArray1<'_, f64>, errors: PyReadonlyArray1<'_, f64>) -> PyResult<Self> {
+        Beam::new(Cells::Patches(basis.0.clone()), values.as_array().to_vec())
+            .and_then(|beam| beam.with_standard_errors(errors.as_array().to_vec()))
+            .map(|beam| Self::of(Model::Beam(beam)))
             .map_err(raise)
     }
 

@@ -167,6 +167,10 @@ impl Model {
                 parts
                     .arrays
                     .push(("entries".into(), Array::Entries(t.entries().to_vec())));
+                if let Some((root, errors)) = t.standard_errors() {
+                    let all = std::iter::once(&root).chain(errors).map(|e| e.to_bits()).collect();
+                    parts.arrays.push(("standard_error_bits".into(), Array::Entries(all)));
+                }
                 parts
             }
             Self::Lambertian(l) => Parts::of("lambertian").number("value", l.value()),
@@ -231,7 +235,18 @@ impl Model {
                 let Some((_, Array::Entries(entries))) = parts.arrays.iter().find(|(n, _)| n == "entries") else {
                     return Err(parts.broken("the array \"entries\" is missing or not one of 32-bit entries"));
                 };
-                Self::Tree(Tree::from_entries(rank, root as u32, entries.clone())?)
+                let tree = Tree::from_entries(rank, root as u32, entries.clone())?;
+                let errors = parts.arrays.iter().find(|(n, _)| n == "standard_error_bits");
+                Self::Tree(match errors {
+                    None => tree,
+                    Some((_, Array::Entries(bits))) if !bits.is_empty() => {
+                        let errors = bits[1..].iter().map(|&e| f32::from_bits(e)).collect();
+                        tree.with_standard_errors(f32::from_bits(bits[0]), errors)?
+                    }
+                    Some(_) => {
+                        return Err(parts.broken("the array \"standard_error_bits\" is not one of 32-bit entries"));
+                    }
+                })
             }
             "lambertian" => Self::Lambertian(Lambertian::new(parts.get_number("value")?)?),
             "specular" => Self::Specular(Specular::constant(parts.get_number("value")?)?),

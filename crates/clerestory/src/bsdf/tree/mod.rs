@@ -16,6 +16,7 @@ mod build;
 mod cells;
 mod code;
 mod combine;
+mod errors;
 mod reduce;
 mod sampling;
 #[cfg(test)]
@@ -29,6 +30,7 @@ use super::Turn;
 use super::separated::{Cell, Tabular};
 use crate::direction::Disk;
 use crate::error::{Error, Result};
+use errors::LeafErrors;
 use sampling::Slices;
 
 pub(super) use backwards::Backwards;
@@ -83,6 +85,8 @@ pub struct Tree {
     root: u32,
     entries: Vec<u32>,
     depth: u32,
+    /// Where they are known.
+    errors: Option<Arc<LeafErrors>>,
     /// Made when first needed.
     slices: OnceLock<Arc<Slices>>,
 }
@@ -114,6 +118,7 @@ impl Tree {
             root,
             entries,
             depth,
+            errors: None,
             slices: OnceLock::new(),
         }
     }
@@ -218,11 +223,13 @@ impl Tree {
             Entry::Value(value) => encode((f64::from(value) * factor) as f32),
             Entry::Block(_) => Ok(entry),
         };
-        Self::from_entries(
+        let mut tree = Self::from_entries(
             self.rank,
             scale(self.root)?,
             self.entries.iter().map(|&e| scale(e)).collect::<Result<_>>()?,
-        )
+        )?;
+        tree.errors = self.errors.as_ref().map(|e| Arc::new(e.scaled(factor)));
+        Ok(tree)
     }
 
     /// The tree of the turned or mirrored sample, where its grid can be turned so: by quarter turns, or by any angle if
@@ -277,7 +284,15 @@ impl Tree {
             .chunks_exact(size)
             .flat_map(|block| order.iter().map(|&n| block[n]))
             .collect();
-        Self::assembled(self.rank, self.root, entries, self.depth)
+        let mut tree = Self::assembled(self.rank, self.root, entries, self.depth);
+        tree.errors = self.errors.as_ref().map(|errors| {
+            let blocks = errors.entries.chunks_exact(size);
+            Arc::new(LeafErrors {
+                root: errors.root,
+                entries: blocks.flat_map(|block| order.iter().map(|&n| block[n])).collect(),
+            })
+        });
+        tree
     }
 }
 

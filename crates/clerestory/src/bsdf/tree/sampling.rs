@@ -398,7 +398,10 @@ impl Scatterer for Tree {
         if part == Part::Direct {
             return 0.0.into();
         }
-        (PI * self.slice(incident).mean).into()
+        Estimate {
+            value: PI * self.slice(incident).mean,
+            standard_error: self.standard_error_of_total(incident),
+        }
     }
 
     fn resolution(&self, incident: Disk) -> f64 {
