@@ -33,6 +33,10 @@ impl Default for Merging {
 /// Beyond so many times [`Merging::chance`] nothing is chance.
 const CERTAIN: f64 = 3.0;
 
+/// Over many cells chance is known better than the variance is: points of a lattice may lie a little closer together than
+/// independent ones.
+const TOLERATED: f64 = 1.1;
+
 /// A cell or a block, and the evidence that it is not even.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Node {
@@ -129,8 +133,7 @@ impl Growth {
         let variance = live.iter().map(|c| f64::from(c.error).powi(2)).sum::<f64>() / count;
         let squares: f64 = live.iter().map(|c| (f64::from(c.value) - mean).powi(2)).sum();
         let chance = self.merging.chance;
-        let within =
-            |dispersion: f64, freedom: f64, times: f64| dispersion <= freedom + times * chance * (2.0 * freedom).sqrt();
+        let within = |dispersion: f64, freedom: f64, times: f64| deviations(dispersion, freedom) <= times * chance;
         // In units of the variance; no variance and no difference is none.
         let units = |squares: f64, variance: f64| {
             if squares <= 1e-12 * mean * mean * count {
@@ -161,7 +164,7 @@ impl Growth {
         }
         let dispersion = own + live.iter().map(|c| f64::from(c.dispersion)).sum::<f64>();
         let freedom = count - 1.0 + live.iter().map(|c| f64::from(c.freedom & !BRANCH)).sum::<f64>();
-        alike &= within(dispersion, freedom, 1.0);
+        alike &= within(dispersion / TOLERATED, freedom, 1.0);
         let moved = live.iter().map(|c| (f64::from(c.value) - mean).abs()).sum::<f64>() / count;
         let share = moved * std::f64::consts::PI * 0.25_f64.powi(level as i32);
         let small = share <= self.merging.bound && live.iter().all(|c| !c.is_block());
@@ -215,6 +218,13 @@ impl Growth {
         self.errors.extend(&errors[first..first + size]);
         Ok(Node { entry, ..node })
     }
+}
+
+/// How many standard deviations a sum of squares lies above what chance gives, by the cube root of Wilson and Hilferty (1931),
+/// which is nearly normal for few free ones, too.
+fn deviations(dispersion: f64, freedom: f64) -> f64 {
+    let spread = 2.0 / (9.0 * freedom);
+    ((dispersion / freedom).cbrt() - (1.0 - spread)) / spread.sqrt()
 }
 
 #[cfg(test)]
@@ -285,6 +295,18 @@ mod tests {
         assert!((root.value - 0.01).abs() < 1.5e-3);
         let (growth, root) = grow(3, &|_, _| Node::cell(0.0, 0.0));
         assert!(growth.entries.is_empty() && root.entry == 0);
+    }
+
+    #[test]
+    fn deviations_are_those_of_tables() {
+        // Quantiles of 99.865 %, three standard deviations, of the chi-squared distribution.
+        for (freedom, quantile) in [(3.0, 15.6306), (15.0, 36.8078), (255.0, 328.107)] {
+            assert!(
+                (deviations(quantile, freedom) - 3.0).abs() < 0.04,
+                "{}",
+                deviations(quantile, freedom)
+            );
+        }
     }
 
     #[test]

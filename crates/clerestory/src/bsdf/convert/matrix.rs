@@ -110,7 +110,7 @@ fn rms_error(even: &[f64], odd: &[f64], incident: &Basis, outgoing: &Basis) -> f
 mod tests {
     use super::*;
     use crate::bsdf::convert::testing::bushy;
-    use crate::bsdf::{Lambertian, Part, Rank, Reversed, Scatterer, Separated, Specular, Sum, Turned};
+    use crate::bsdf::{Beam, Cells, Lambertian, Part, Rank, Reversed, Scatterer, Separated, Specular, Sum, Turned};
     use crate::sequence::uniform;
 
     fn full() -> Arc<Basis> {
@@ -321,6 +321,38 @@ mod tests {
         }
         let beams = convert(&separated, &quarter, of(64)).matrix;
         assert_eq!(beams, plain);
+    }
+
+    #[test]
+    fn measured_beams_keep_their_light() {
+        let beam = Beam::new(
+            Cells::Patches(full()),
+            (0..145).map(|k| 0.2 + 0.004 * f64::from(k)).collect(),
+        )
+        .unwrap();
+        let beam = beam.with_standard_errors(vec![0.01; 145]).unwrap();
+        let table = Matrix::from_fn(full(), full(), |_, _| 0.05).unwrap();
+        let table = table.with_standard_errors(vec![0.001; 145 * 145]).unwrap();
+        let parts = vec![
+            (1.0, Arc::new(Model::Matrix(table))),
+            (0.5, Arc::new(Model::Beam(beam))),
+        ];
+        let model = Model::Sum(Sum::new(parts).unwrap());
+        let own = convert(&model, &full(), of(16));
+        assert_eq!(own.samples, 0);
+        for i in 0..145 {
+            let (total, value) = (
+                model.total(full().centre(i), Part::All).value,
+                own.matrix.direct_hemispherical(i),
+            );
+            assert!((total - value).abs() < 1e-12, "{total} {value}");
+            let area = full().projected_solid_angle(i);
+            let error = own.matrix.standard_errors().unwrap()[i * 145 + i];
+            assert!((error - 0.001_f64.hypot(0.005 / area)).abs() < 1e-9);
+        }
+        for basis in bases() {
+            assert!(convert(&model, &basis, of(512)).worst_direct_hemispherical < 1e-9);
+        }
     }
 
     #[test]

@@ -156,7 +156,7 @@ mod tests {
     use crate::basis::Basis;
     use crate::bsdf::convert::testing::bushy;
     use crate::bsdf::convert::{Sampling, to_matrix};
-    use crate::bsdf::{Lambertian, Matrix, Separated, Specular, Sum};
+    use crate::bsdf::{Beam, Cells, Lambertian, Matrix, Separated, Specular, Sum};
 
     fn grid(levels: u32, samples: u32) -> Grid {
         Grid {
@@ -202,6 +202,20 @@ mod tests {
             let beam = conversion.tree.evaluate(i, i) - 0.3 / PI;
             let whole = if rank == Rank::Isotropic { 0.2 } else { 0.4 };
             assert!((beam * cell - whole).abs() < 1e-5, "{rank:?} {}", beam * cell);
+        }
+    }
+
+    #[test]
+    fn measured_beams_keep_their_light() {
+        for rank in [Rank::Anisotropic, Rank::Isotropic] {
+            let beam = Beam::new(Cells::Tree(rank, 4), vec![0.4; Cells::Tree(rank, 4).len()]).unwrap();
+            let parts = vec![
+                (0.5, Arc::new(Model::Beam(beam))),
+                (1.0, Arc::new(Model::Lambertian(Lambertian::new(0.3).unwrap()))),
+            ];
+            let conversion = convert(&Model::Sum(Sum::new(parts).unwrap()), rank, grid(4, 4));
+            assert!(conversion.worst_direct_hemispherical < 1e-5, "{rank:?} {conversion:?}");
+            assert!(conversion.tree.total(Disk::NORMAL, Part::All).value > 0.49);
         }
     }
 
