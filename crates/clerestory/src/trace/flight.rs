@@ -30,6 +30,8 @@ impl Default for Limits {
 pub struct Leaving<'a, const N: usize> {
     /// Transmitted or reflected.
     pub scatter: Scatter,
+    /// Direction of travel that it came with.
+    pub incident: Disk,
     /// Direction of travel that it leaves with.
     pub outgoing: Disk,
     /// It is a beam still, straight on or mirrored in the sample's plane.
@@ -373,6 +375,7 @@ fn leave<const N: usize>(
     }
     collector.collect(&Leaving {
         scatter,
+        incident: path.incident,
         outgoing,
         beam,
         weight: &path.weight,
