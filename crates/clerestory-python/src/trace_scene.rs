@@ -146,6 +146,7 @@ impl PyScene {
     }
 
     /// Corners of all triangles (3 n, 3) in metres, and their surfaces (n).
+    #[allow(clippy::type_complexity, reason = "two arrays")]
     fn triangles<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u32>>)> {
         let (mut corners, mut surfaces) = (Vec::new(), Vec::new());
         for element in &self.scene.elements {

@@ -9,7 +9,8 @@ from matplotlib.colors import to_rgb
 from matplotlib.patches import Patch
 
 from clerestory.plot.style import COLOURS, new_figure, styled
-from clerestory.trace.shapes import AIR, Mesh, Section
+from clerestory.trace.shapes import AIR, Section, Solids
+from clerestory.trace.tessellate import mesh_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -56,7 +57,7 @@ def geometry(sample: Sample) -> Figure:
     """What a sample looks like: its section, or its mesh from the room and from the side; colours are materials."""
     colours = _Colours()
     sections = [shape for shape in sample.shapes if isinstance(shape, Section)]
-    meshes = [shape for shape in sample.shapes if isinstance(shape, Mesh)]
+    meshes = [mesh_of(s) if isinstance(s, Solids) else s for s in sample.shapes if not isinstance(s, Section)]
     if meshes:
         from clerestory.trace.picture_mesh import meshes as draw
 

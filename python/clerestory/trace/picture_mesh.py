@@ -70,7 +70,7 @@ def _copies(mesh: Mesh, x: tuple[float, float], y: tuple[float, float]) -> Float
     ranges = []
     for axis, (low, high) in enumerate((x, y)):
         period = mesh.periods[axis]
-        if not np.isfinite(period) or len(own) > MOST:
+        if not mesh.repeats or len(own) > MOST:
             ranges.append(range(1))
             continue
         least, most = own[..., axis].min(), own[..., axis].max()
@@ -104,7 +104,7 @@ def _view(axes: Axes, corners: Floats, mesh: Mesh, scale: float, colours: _Colou
 def _cut(axes: Axes, corners: Floats, mesh: Mesh, x: float, scale: float, colours: _Colours) -> None:
     """Where triangles meet the plane of an x, as lines in z and y."""
     # A plane through corners would cut in points: it is moved by next to nothing.
-    off = corners[..., 0] - x - 1e-7 * mesh.periods[0] if np.isfinite(mesh.periods[0]) else corners[..., 0] - x
+    off = corners[..., 0] - x - 1e-7 * mesh.periods[0]
     above = off > 0.0
     chosen = np.flatnonzero(above.any(axis=1) & ~above.all(axis=1))
     own = np.tile(mesh.face, len(corners) // len(mesh.face))

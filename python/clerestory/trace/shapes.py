@@ -113,6 +113,8 @@ class Mesh:
     """The surface of each triangle (m,)."""
     periods: Point
     """Along x and y [m]."""
+    repeats: bool = True
+    """False for a picture of something that is not repeated."""
 
     @classmethod
     def joined(cls, parts: Iterable[tuple[NDArray[np.float64], NDArray[np.int64], Face]], periods: Point) -> Mesh:
