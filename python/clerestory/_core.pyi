@@ -142,7 +142,6 @@ class Geometry:
         limits: list[list[float]],
         repeated: list[bool],
         z: float,
-        media: list[list[int]],
     ) -> Geometry: ...
 
 class Model:
@@ -201,6 +200,14 @@ class Sample:
         settings: dict[str, Any],
         incident: Basis,
         outgoing: Basis,
+        state: TraceState,
+        progress: Callable[[float, float | None], object] | None,
+    ) -> tuple[Bsdf, list[list[float]], list[_Totals], float, int]: ...
+    def trees(
+        self,
+        settings: dict[str, Any],
+        isotropic: bool,
+        levels: int,
         state: TraceState,
         progress: Callable[[float, float | None], object] | None,
     ) -> tuple[Bsdf, list[list[float]], list[_Totals], float, int]: ...

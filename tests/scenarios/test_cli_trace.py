@@ -248,3 +248,18 @@ def test_pictures_of_bodies_meshes_and_layers(name, tmp_path, capsys):
     code, _, _ = run(capsys, "trace", name, "--plot-geometry", picture)
     assert code == 0
     assert picture.stat().st_size > 5000
+
+
+def test_a_tree(tmp_path, capsys):
+    output = tmp_path / "blind.bsdf.npz"
+    words = ("trace", "flat-blind", "--basis", "tensor4", "--resolution", 3, "--samples", 256, "--seed", 3)
+    code, out, _ = run(capsys, *words, "--cull", 90, "-o", output, "--json")
+    assert code == 0
+    value = next(v for v in json.loads(out)["values"] if (v["side"], v["scatter"]) == ("exterior", "transmission"))
+    assert value["hemispherical"][0] == pytest.approx(0.480_36, abs=4 * value["hemispherical"][1] + 1e-3)
+    bsdf = clerestory.read(output)
+    model, _ = bsdf.model("exterior", "reflection")
+    assert model.kind == "tensor tree"
+    code, _, err = run(capsys, "trace", "flat-blind", "--cull", 90, "-o", output)
+    assert code == 2
+    assert "--cull 90: a percentage for trees" in err

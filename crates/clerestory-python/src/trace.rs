@@ -65,6 +65,7 @@ impl PySample {
     /// materials, media.
     #[new]
     fn new(
+        py: Python<'_>,
         bands: Vec<String>,
         layers: Vec<Bound<'_, PyGeometry>>,
         surfaces: Vec<([u32; 2], [u16; 2])>,
@@ -79,7 +80,10 @@ impl PySample {
             .into_iter()
             .map(MediumSpec::into_medium)
             .collect::<PyResult<_>>()?;
-        let layers = layers.iter().map(|l| l.get().take()).collect::<PyResult<_>>()?;
+        let layers: Vec<_> = layers.iter().map(|l| l.get().take()).collect::<PyResult<_>>()?;
+        let borders: Vec<[u16; 2]> = surfaces.iter().map(|(_, media)| *media).collect();
+        py.detach(|| layers.iter().try_for_each(|layer| layer.check_media(&borders)))
+            .map_err(raise)?;
         Ok(Self(Sample {
             bands,
             layers,

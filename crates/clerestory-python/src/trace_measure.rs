@@ -3,9 +3,9 @@
 use std::sync::Mutex;
 
 use clerestory::Error;
-use clerestory::bsdf::Estimate;
+use clerestory::bsdf::{Estimate, Rank};
 use clerestory::progress::Progress;
-use clerestory::trace::{Cones, Goniophotometer, RaySource, Settings, State, Stop, Tallies};
+use clerestory::trace::{Cones, Goniophotometer, Measured, RaySource, Settings, State, Stop, Tallies, TreeTarget};
 use numpy::{PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
 
@@ -121,6 +121,27 @@ type TotalsRow = (String, &'static str, &'static str, Vec<Pair>, Option<Pair>);
 /// Data set, tallies by band, direct-hemispherical values, largest relative error, paths.
 type MeasuredParts = (PyBsdf, Vec<Tallies>, Vec<TotalsRow>, f64, u64);
 
+fn parts(measured: Measured) -> MeasuredParts {
+    let totals = measured.totals.into_iter().map(|t| {
+        let values = t.values.into_iter().map(pair).collect();
+        (
+            t.band,
+            t.side.name(),
+            t.scatter.name(),
+            values,
+            t.hemispherical.map(pair),
+        )
+    });
+    let totals = totals.collect();
+    (
+        PyBsdf(measured.bsdf),
+        measured.balance,
+        totals,
+        measured.error,
+        measured.paths,
+    )
+}
+
 /// Band, number of the direction, side, scatter, values of the outgoing patches, beam, direct-hemispherical value.
 type ScanRow = (String, usize, &'static str, &'static str, Vec<Pair>, Pair, Pair);
 
@@ -141,24 +162,26 @@ impl PySample {
         let measured = settings.run(py, progress.as_ref(), |watch| {
             instrument.matrices(&self.0, &incident.0, &outgoing.0, &mut state.lock(), watch)
         })?;
-        let totals = measured.totals.into_iter().map(|t| {
-            let values = t.values.into_iter().map(pair).collect();
-            (
-                t.band,
-                t.side.name(),
-                t.scatter.name(),
-                values,
-                t.hemispherical.map(pair),
-            )
-        });
-        let totals = totals.collect();
-        Ok((
-            PyBsdf(measured.bsdf),
-            measured.balance,
-            totals,
-            measured.error,
-            measured.paths,
-        ))
+        Ok(parts(measured))
+    }
+
+    /// Tensor trees of 2^levels cells an axis, of rank 3 for a sample that scatters alike from all azimuths.
+    fn trees(
+        &self,
+        py: Python<'_>,
+        settings: SettingsSpec,
+        isotropic: bool,
+        levels: u32,
+        state: &Bound<'_, PyTraceState>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<MeasuredParts> {
+        let rank = if isotropic { Rank::Isotropic } else { Rank::Anisotropic };
+        let (instrument, target) = (settings.instrument()?, TreeTarget::new(rank, levels));
+        let state = state.get();
+        let measured = settings.run(py, progress.as_ref(), |watch| {
+            instrument.trees(&self.0, &target, &mut state.lock(), watch)
+        })?;
+        Ok(parts(measured))
     }
 
     /// Light from listed directions (n, 3), which point to the source. Distributions, tallies by band, warnings.

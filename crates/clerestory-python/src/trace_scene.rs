@@ -185,7 +185,7 @@ impl PyScene {
 #[pymethods]
 impl PyGeometry {
     /// A scene, its surfaces numbered as in the sample's list. Limits along x and y in metres, and whether it is repeated
-    /// with them as its period; media before and behind each of the sample's surfaces, whose borders must be closed.
+    /// with them as its period; all of it is shifted along z.
     #[staticmethod]
     fn mesh(
         py: Python<'_>,
@@ -194,7 +194,6 @@ impl PyGeometry {
         limits: [[f64; 2]; 2],
         repeated: [bool; 2],
         z: f64,
-        media: Vec<[u16; 2]>,
     ) -> PyResult<Self> {
         let mut own = scene.scene.clone();
         for element in &mut own.elements {
@@ -209,12 +208,6 @@ impl PyGeometry {
             limits: limits[axis],
             repeated: repeated[axis],
         });
-        py.detach(|| {
-            let mesh = Mesh::new(own, [x, y])?;
-            mesh.check_media(&media)?;
-            Ok(mesh)
-        })
-        .map(Self::of)
-        .map_err(raise)
+        py.detach(|| Mesh::new(own, [x, y])).map(Self::of).map_err(raise)
     }
 }

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 SUFFIXES = (".xml", ".xml.gz", ".npz")
 SCENES = (".rad", ".obj", ".stl", ".ply")
 UNITS = ("m", "cm", "mm", "um", "inch", "foot")
+TREES = ("tensor3", "tensor4")
 RAYS = 100_000
 """Paths of a ray file by default."""
 
@@ -54,8 +55,17 @@ def trace(
         ),
     ] = None,
     basis: Annotated[
-        str, typer.Option(metavar="NAME", help="klems-full, klems-half, klems-quarter, tregenza, reinhart:N or iea21.")
+        str,
+        typer.Option(
+            metavar="NAME",
+            help="klems-full, klems-half, klems-quarter, tregenza, reinhart:N, iea21; tensor4 or tensor3 for a tree.",
+        ),
     ] = "klems-full",
+    resolution: Annotated[int, typer.Option(metavar="N", help="2^N cells an axis of a tree, at the finest.")] = 6,
+    cull: Annotated[
+        float | None,
+        typer.Option(metavar="PCT", help="Percentage of a tree's finest blocks to merge, the smoothest first."),
+    ] = None,
     incident: Annotated[
         list[str] | None,
         typer.Option(metavar="T,P", help="Scan this direction only, into a .csv; above is azimuth 90. Repeatable."),
@@ -126,13 +136,18 @@ def trace(
     sides: tuple[Side, ...] = ("exterior", "interior") if side is None else (side_of(side),)
     listed = [angle_pair(text, "--incident") for text in incident or ()]
     share = None if error is None else _share(error)
+    if cull is not None and (basis not in TREES or not 0.0 <= cull <= 100.0):
+        raise UsageError(f"--cull {cull:g}: a percentage for trees (give --basis tensor4 and 0 to 100)")
+    if listed and basis in TREES:
+        raise UsageError(f"--basis {basis}: a scan is seen by patches (give a basis such as klems-full)")
     if samples is not None and share is not None:
         raise UsageError("--samples with --error: either the work or the error is given (choose one)")
 
     from clerestory.trace import Settings
 
     settings = Settings(
-        basis=_basis(basis),
+        basis=basis if basis in TREES else _basis(basis),
+        resolution=resolution,
         sides=sides,
         samples=samples,
         error=share,
@@ -160,7 +175,7 @@ def trace(
         if listed:
             result |= _scan(made, settings, listed, sides, output, resume=resume, quiet=as_json)
         else:
-            result |= _measure(made, settings, output, resume=resume, quiet=as_json)
+            result |= _measure(made, settings, output, cull, resume=resume, quiet=as_json)
         written.append(output)
     if as_json:
         print_json({**result, "written": written})
@@ -293,13 +308,17 @@ def _state(made: Sample, settings: Settings, output: Path, incident: Any = None,
     return State.load(partial, made, settings, incident)
 
 
-def _measure(made: Sample, settings: Settings, output: Path, *, resume: bool, quiet: bool) -> dict[str, object]:
+def _measure(
+    made: Sample, settings: Settings, output: Path, cull: float | None, *, resume: bool, quiet: bool
+) -> dict[str, object]:
     from clerestory.trace import run
+    from clerestory.trace.export import culled
 
     state = _state(made, settings, output, resume=resume)
     with _kept(state, output, resume=resume), _bar() as tell:
         measured = run(made, settings, state=state, progress=tell)
-    notes = [text for text in measured.bsdf.write(output) if "standard errors" not in text]
+    bsdf = measured.bsdf if cull is None else culled(measured.bsdf, cull)
+    notes = [text for text in bsdf.write(output) if "standard errors" not in text]
     if not quiet:
         for text in (*measured.bsdf.warnings, *notes):
             note(f"note: {output}: {text}")
@@ -315,15 +334,17 @@ def _measure(made: Sample, settings: Settings, output: Path, *, resume: bool, qu
 
 
 def _summary(measured: Measured) -> str:
-    rows = [
-        [v.band, v.side, v.scatter, *(f"{x:.4f} ± {e:.4f}" for x, e in (v.normal, v.hemispherical))]
-        for v in measured.values
-    ]
+    from clerestory.words import percent
+
+    rows = [[v.band, v.side, v.scatter, _with_error(v.normal), _with_error(v.hemispherical)] for v in measured.values]
     text = table(["band", "side", "scatter", "normal incidence", "hemispherical"], rows, left=3)
-    speed = (
-        f"{measured.paths:,} paths in {measured.seconds:.1f} s, standard error {100.0 * measured.error:.2g} % at most"
-    )
+    speed = f"{measured.paths:,} paths in {measured.seconds:.1f} s, standard error {percent(measured.error)} at most"
     return "\n".join([text, *_balances(measured.balance), f"  {speed}"])
+
+
+def _with_error(pair: tuple[float, float]) -> str:
+    value, error = pair
+    return f"{value:.4f} ± {error:.4f}" if error == error else f"{value:.4f}"  # not NaN
 
 
 def _balances(balances: dict[str, Balance]) -> list[str]:
@@ -376,10 +397,7 @@ def _scan(
 def _seen(seen: Sequence[Seen]) -> str:
     from clerestory.directions import incident_in_words
 
-    rows = [
-        [s.band, incident_in_words(s.incident), s.scatter, *(f"{x:.4f} ± {e:.4f}" for x, e in (s.total, s.beam))]
-        for s in seen
-    ]
+    rows = [[s.band, incident_in_words(s.incident), s.scatter, _with_error(s.total), _with_error(s.beam)] for s in seen]
     return table(["band", "light", "scatter", "all", "straight on"], rows, left=3)
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clerestory.directions import angles, outgoing_side
+from clerestory.model import Model
 from clerestory.trace.sample import Sample, load
 from clerestory.whole import write_whole
 
@@ -21,10 +22,32 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from clerestory.basis import Basis
+    from clerestory.bsdf import Bsdf
     from clerestory.directions import Side
     from clerestory.trace.instrument import Seen, Settings, Source, Tell
 
     Floats = NDArray[np.float64]
+
+
+def culled(bsdf: Bsdf, percent: float) -> Bsdf:
+    """A data set whose trees have so many per cent of their finest blocks merged; beams beside them stay."""
+    return bsdf.with_models(
+        {
+            band: {key: _culled(model, percent) for key, model in members.items()}
+            for band, members in bsdf.models.items()
+        }
+    )
+
+
+def _culled(model: Model, percent: float) -> Model:
+    if model.kind == "tensor tree":
+        return model.reduced(percent=percent)[0]
+    kind, _, _, arrays, models = model._core.to_parts()
+    if kind != "sum":
+        return model
+    weights = dict(arrays)["weights"]
+    return Model.sum([(float(w), _culled(Model(m), percent)) for w, m in zip(weights, models, strict=True)])
+
 
 SCAN_COLUMNS = (
     "band",

@@ -12,7 +12,7 @@ import numpy as np
 from clerestory._core import ClerestoryError, __version__
 from clerestory.basis import Basis
 from clerestory.bsdf import Bsdf
-from clerestory.directions import SIDES
+from clerestory.directions import SIDES, direction
 from clerestory.trace.sample import Sample, load
 from clerestory.trace.state import State
 
@@ -34,6 +34,9 @@ ERROR = 0.005
 """Relative standard error of the direct-hemispherical values that is aimed at by default."""
 MOST = 1 << 16
 """Paths an incident patch that are not exceeded by default, so that a sample takes seconds."""
+CELL = 1 << 10
+"""Paths an incident cell of a tree, where nothing is asked for."""
+TREES = ("tensor3", "tensor4")
 MOST_FOR_ERROR = 1 << 24
 """Paths an incident patch that are not exceeded where an error was asked for."""
 
@@ -77,7 +80,7 @@ class Value:
     side: Side
     scatter: Scatter
     normal: tuple[float, float]
-    """At normal incidence: of the first patch."""
+    """At normal incidence: of the first patch, or of a tree at that direction. NaN where no error is known."""
     hemispherical: tuple[float, float]
     """Under even light from all directions."""
 
@@ -105,7 +108,9 @@ class Settings:
     """How to measure."""
 
     basis: Basis | str = "klems-full"
-    """Patches of incident and outgoing directions."""
+    """Patches of incident and outgoing directions; tensor3 or tensor4 for a tree."""
+    resolution: int = 6
+    """A tree has 2^resolution cells an axis at the finest."""
     sides: tuple[Side, ...] = SIDES
     """Sides that light comes from."""
     samples: int | None = None
@@ -122,8 +127,15 @@ class Settings:
     """Whether each component is averaged with its reverse."""
 
     @property
+    def is_tree(self) -> bool:
+        """Whether a tensor tree is measured."""
+        return self.basis in TREES
+
+    @property
     def patches(self) -> Basis:
-        """The patches."""
+        """The patches; Klems full beside a tree."""
+        if self.is_tree:
+            return Basis.named("klems-full")
         return Basis.named(self.basis) if isinstance(self.basis, str) else self.basis
 
     def core(self) -> dict[str, Any]:
@@ -137,6 +149,8 @@ class Settings:
         error, most = self.error, MOST_FOR_ERROR
         if self.samples is not None:
             most = self.samples
+        elif error is None and self.is_tree:
+            most = CELL
         elif error is None:
             error, most = ERROR, MOST
         return {
@@ -154,9 +168,12 @@ class Settings:
 
     def words(self) -> str:
         """All that the result depends on, for people."""
-        parts = [f"basis {self.patches.name}", f"from {' and '.join(self.sides)}", f"seed {self.seed}"]
+        what = f"{self.basis}, 2^{self.resolution} cells an axis" if self.is_tree else f"basis {self.patches.name}"
+        parts = [what, f"from {' and '.join(self.sides)}", f"seed {self.seed}"]
         if self.samples is not None:
             parts.append(f"{self.samples} paths a patch")
+        elif self.is_tree and self.error is None:
+            parts.append(f"{CELL} paths a cell")
         else:
             most = MOST if self.error is None else MOST_FOR_ERROR
             parts.append(f"error {self.error or ERROR:g}, {most} paths a patch at most")
@@ -172,6 +189,7 @@ def measure(
     sample: Source,
     *,
     basis: Basis | str = "klems-full",
+    resolution: int = 6,
     sides: tuple[Side, ...] = SIDES,
     samples: int | None = None,
     error: float | None = None,
@@ -189,7 +207,10 @@ def measure(
     sample
         A `Sample`, a recipe's file, the name of a recipe that comes with Clerestory, or tables as recipes have them.
     basis
-        Patches of incident and outgoing directions, or their name (see `Basis.named`).
+        Patches of incident and outgoing directions, or their name (see `Basis.named`); tensor4 for a tensor tree, or
+        tensor3 for one of a sample that scatters alike from all azimuths.
+    resolution
+        A tree has 2^resolution cells an axis at the finest: 6 gives 4,096 directions, 7 gives 16,384.
     sides
         Sides that light comes from; transmission and reflection are measured at once.
     samples
@@ -230,7 +251,18 @@ def measure(
     >>> blind.bands
     ('visible',)
     """
-    settings = Settings(basis, sides, samples, error, seed, threads, source_cone_deg, detector_cone_deg, reciprocity)
+    settings = Settings(
+        basis=basis,
+        resolution=resolution,
+        sides=sides,
+        samples=samples,
+        error=error,
+        seed=seed,
+        threads=threads,
+        source_cone_deg=source_cone_deg,
+        detector_cone_deg=detector_cone_deg,
+        reciprocity=reciprocity,
+    )
     return run(sample, settings, progress=progress).bsdf
 
 
@@ -253,14 +285,20 @@ def run(
     patches = settings.patches
     state = state or State.new(made, settings)
     began = time.perf_counter()
-    core, tallies, totals, error, paths = made.core().matrices(
-        settings.core(), patches._core, patches._core, state.core, progress
-    )
-    values = [
-        Value(band, side, scatter, at[0], hemispherical or (math.nan, math.nan))
-        for band, side, scatter, at, hemispherical in totals
-    ]
+    if settings.is_tree:
+        isotropic = settings.basis == "tensor3"
+        found = made.core().trees(settings.core(), isotropic, settings.resolution, state.core, progress)
+    else:
+        found = made.core().matrices(settings.core(), patches._core, patches._core, state.core, progress)
+    core, tallies, totals, error, paths = found
     balance = Balance.by_band(made.bands, tallies)
+    values = []
+    for band, side, scatter, at, hemispherical in totals:
+        first = at[0]
+        if settings.is_tree:  # its first cell is another direction
+            value, spread = Bsdf(core).integrate_with_error(direction(0.0, 0.0, side=side), scatter, band=band)
+            first = float(value), float(spread)
+        values.append(Value(band, side, scatter, first, hemispherical or (math.nan, math.nan)))
     bsdf = _recorded(Bsdf(core), made, settings, values, error, paths)
     return Measured(bsdf, values, balance, error, paths, time.perf_counter() - began)
 

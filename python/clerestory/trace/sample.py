@@ -101,7 +101,7 @@ class Sample:
         layers = []
         for shape in self.shapes:
             try:
-                layers.append(_geometry(shape, faces, list(self._media)))
+                layers.append(_geometry(shape, faces))
             except _core.ClerestoryError as error:
                 raise RecipeError(f"sample: {error}") from error
         specs = list(self._specs)
@@ -110,10 +110,15 @@ class Sample:
             ((specs.index(f.front), specs.index(f.back)), (media.index(f.before), media.index(f.behind))) for f in faces
         ]
         materials = [spec.for_core(self._specs) for spec in self._specs.values()]
-        return _core.Sample(self.bands, layers, surfaces, materials, list(self._media.values()))
+        try:
+            return _core.Sample(self.bands, layers, surfaces, materials, list(self._media.values()))
+        except _core.ClerestoryError as error:
+            named = ", ".join(f"{k} {name}" for k, name in enumerate(media))
+            hint = f"; media: {named}" if "medium" in str(error) or "media" in str(error) else ""
+            raise RecipeError(f"sample: {error}{hint}") from error
 
 
-def _geometry(shape: Shape, faces: dict[Face, int], media: list[str]) -> _core.Geometry:
+def _geometry(shape: Shape, faces: dict[Face, int]) -> _core.Geometry:
     """A shape as the core takes it; its surfaces are added to those that are known."""
 
     def number(face: Face) -> int:
@@ -124,11 +129,10 @@ def _geometry(shape: Shape, faces: dict[Face, int], media: list[str]) -> _core.G
         surfaces = np.array([number(p.face) for p in shape.pieces], dtype=np.uint32)
         return _core.Geometry.profile(rows, surfaces, shape.period)
     numbers = [number(face) for face in shape.faces]
-    borders = [[media.index(f.before), media.index(f.behind)] for f in faces]
     if isinstance(shape, Solids):
         limits = [list(pair) for pair in shape.limits]
         repeats = [shape.repeats, shape.repeats]
-        return _core.Geometry.mesh(shape.scene, numbers, limits, repeats, shape.z, borders)
+        return _core.Geometry.mesh(shape.scene, numbers, limits, repeats, shape.z)
     scene = _core.Scene.of_triangles(
         np.ascontiguousarray(shape.corners),
         np.ascontiguousarray(shape.triangles, dtype=np.int64),
@@ -136,7 +140,7 @@ def _geometry(shape: Shape, faces: dict[Face, int], media: list[str]) -> _core.G
         [f"surface {k + 1} ({face.front})" for k, face in enumerate(shape.faces)],
     )
     limits = [[0.0, shape.periods[0]], [0.0, shape.periods[1]]]
-    return _core.Geometry.mesh(scene, numbers, limits, [True, True], 0.0, borders)
+    return _core.Geometry.mesh(scene, numbers, limits, [True, True], 0.0)
 
 
 def load(source: str | os.PathLike[str] | Mapping[str, Any] | Sample) -> Sample:

@@ -86,7 +86,8 @@ def fingerprint(sample: Sample, settings: Settings, incident: NDArray[np.float64
     told = dict(vars(settings))
     # Results do not depend on it.
     del told["threads"]
-    told["basis"] = settings.patches.rings
+    if not settings.is_tree:
+        told["basis"] = settings.patches.rings
     text = json.dumps([_core.__version__, told, sample.source], default=str)
     mark = hashlib.sha256(text.encode())
     for part in sample.content():
