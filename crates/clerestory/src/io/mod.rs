@@ -9,3 +9,8 @@ mod polygon;
 pub mod radiance;
 pub mod stl;
 pub mod xml;
+
+/// A count and its noun: `1 value`, `3 values`.
+fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}

@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::error::Result;
 use crate::geometry::Vec3;
+use crate::io::counted;
 
 /// Triangles that make up a flat polygon, as numbers of its corners, in the polygon's sense. Holes are joined to the outside
 /// by a seam: two sides on top of each other (as Radiance draws them). Corners that make no angle stay corners, so that
@@ -11,7 +12,8 @@ pub(crate) fn triangles(corners: &[Vec3]) -> Result<Vec<[usize; 3]>> {
     let n = corners.len();
     if n < 3 {
         return Err(Error::Argument(format!(
-            "a polygon with {n} corners (give three or more)"
+            "a polygon with {} (give three or more)",
+            counted(n, "corner")
         )));
     }
     let (normal, reach) = size(corners);

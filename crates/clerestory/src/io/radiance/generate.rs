@@ -3,6 +3,7 @@
 use super::words::shown;
 use crate::error::{Error, Result};
 use crate::geometry::Vec3;
+use crate::io::counted;
 
 /// The polygons of a generator: modifier, and a name and the corners of each.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,7 +124,10 @@ fn genprism(arguments: &[String], open: &mut dyn FnMut(&str) -> Result<Vec<u8>>)
         flat.extend(values.chunks_exact(2).map(|p| Vec3::new(p[0], p[1], 0.0)));
     }
     if flat.len() < 3 {
-        return Err(Error::Argument(format!("{} vertices (give three or more)", flat.len())));
+        return Err(Error::Argument(format!(
+            "a section with {} (give three or more)",
+            counted(flat.len(), "corner")
+        )));
     }
     let mut along = Vec3::new(0.0, 0.0, 1.0);
     let (mut closing, mut ends) = (true, true);

@@ -22,6 +22,7 @@ use self::words::{Next, Words, shown};
 use super::faces::{Faces, check_unit, load};
 use crate::error::{Error, Result};
 use crate::geometry::{Scene, Shape, Vec3};
+use crate::io::counted;
 
 /// A material as the file has it.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,8 +89,8 @@ pub fn parse(text: &[u8], metres_per_unit: f64, open: &mut dyn FnMut(&str) -> Re
     reader.file(text, "", &context)?;
     if reader.sources > 0 {
         reader.faces.scene.warnings.push(format!(
-            "{} objects of type source were left out: the instrument brings its own light",
-            reader.sources
+            "left out: {} of type source, for the instrument brings its own light",
+            counted(reader.sources, "object")
         ));
     }
     Ok(Radiance {

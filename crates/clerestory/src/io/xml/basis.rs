@@ -7,6 +7,7 @@ use super::place;
 use super::scan::{Node, shortened};
 use crate::basis::{Basis, Ring};
 use crate::error::{Error, Result};
+use crate::io::counted;
 
 /// Bases that WINDOW and Radiance know by name.
 fn standard() -> [Basis; 3] {
@@ -44,12 +45,25 @@ impl Choice {
         }
     }
 
+    /// What the file says of it, as a sentence.
     fn words(&self) -> String {
+        let patches = |basis: &Basis| match basis.len() {
+            1 => "1 patch".to_owned(),
+            count => format!("{count} patches"),
+        };
         match self {
-            Self::Listed { basis, .. } => format!("{:?} ({} patches as listed)", basis.name(), basis.len()),
-            Self::Named(basis) => format!("{:?} ({} patches)", basis.name(), basis.len()),
-            Self::Unknown(name) if name.is_empty() => "an angle basis without a name".to_owned(),
-            Self::Unknown(name) => format!("{}, which is not known", shortened(name)),
+            Self::Listed { basis, .. } => format!("angle basis {:?} is listed with {}", basis.name(), patches(basis)),
+            Self::Named(basis) => format!("angle basis {:?} ({}) is not listed", basis.name(), patches(basis)),
+            Self::Unknown(name) if name.is_empty() => "the angle basis has no name".to_owned(),
+            Self::Unknown(name) => format!("angle basis {} is neither listed nor known", shortened(name)),
+        }
+    }
+
+    /// Name, if the file leaves it at that.
+    fn unlisted(&self) -> Option<&str> {
+        match self {
+            Self::Named(basis) => Some(basis.name()),
+            Self::Listed { .. } | Self::Unknown(_) => None,
         }
     }
 }
@@ -201,7 +215,7 @@ pub(super) fn settle(
     if let (Some(i), Some(o)) = (i, o)
         && fits(i, o)
     {
-        return Ok((i.clone(), o.clone(), None));
+        return Ok((i.clone(), o.clone(), unlisted(incident, outgoing)));
     }
     // A listing that is wrong under a standard name, or the old count of a standard name.
     let other = |choice: &Choice| match choice {
@@ -215,7 +229,8 @@ pub(super) fn settle(
         && fits(&i, &o)
     {
         let warning = format!(
-            "{count} values fit the standard {:?}, not its listing; the standard is used",
+            "for {} the standard {:?} is used, not its listing",
+            counted(count, "value"),
             i.name()
         );
         return Ok((i, o, Some(warning)));
@@ -224,22 +239,19 @@ pub(super) fn settle(
         && outgoing.may_be_another()
         && let Some(basis) = standard().into_iter().find(|b| fits(b, b))
     {
-        let named = if outgoing.words() == incident.words() {
-            incident.words()
-        } else {
-            format!("{} and {}", incident.words(), outgoing.words())
-        };
-        let warning = format!(
-            "angle basis {named}, but {count} values fit {:?}, which is used",
-            basis.name()
-        );
+        let mut facts = incident.words();
+        if outgoing.words() != facts {
+            facts = format!("{facts}, {}", outgoing.words());
+        }
+        let warning = format!("{facts}; for {count} values the standard {:?} is used", basis.name());
         let basis = Arc::new(basis);
         return Ok((basis.clone(), basis, Some(warning)));
     }
     Err(match (i, o) {
         (Some(i), Some(o)) => Misfit {
             what: format!(
-                "{count} values where {} × {} = {} belong for {:?} and {:?}",
+                "{} where {} × {} = {} belong for {:?} and {:?}",
+                counted(count, "value"),
                 o.len(),
                 i.len(),
                 i.len().saturating_mul(o.len()),
@@ -250,10 +262,95 @@ pub(super) fn settle(
         },
         _ => Misfit {
             what: format!(
-                "angle basis {}, is not listed either, and {count} values fit no standard basis",
-                if incident.basis().is_none() { incident } else { outgoing }.words()
+                "{}, and no standard basis has {}",
+                if incident.basis().is_none() { incident } else { outgoing }.words(),
+                counted(count, "value")
             ),
-            remedy: "list it under <DataDefinition>, or name it with --assume-basis".into(),
+            remedy: "list it under <DataDefinition>, or say which with `clerestory convert IN OUT --assume-basis \
+                     klems-full`"
+                .into(),
         },
     })
+}
+
+/// A warning of listings that a file lacks.
+fn unlisted(incident: &Choice, outgoing: &Choice) -> Option<String> {
+    let mut names = [incident, outgoing].into_iter().filter_map(Choice::unlisted);
+    let first = names.next()?;
+    Some(match names.find(|n| *n != first) {
+        None => format!(
+            "the listing of angle basis {first:?} (<AngleBasis>) is missing; the standard basis of that name is used"
+        ),
+        Some(other) => format!(
+            "the listings of angle bases {first:?} and {other:?} (<AngleBasis>) are missing; the standard bases of those \
+             names are used"
+        ),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn named(basis: Basis) -> Choice {
+        Choice::Named(Arc::new(basis))
+    }
+
+    fn listed(basis: Basis) -> Choice {
+        Choice::Listed {
+            basis: Arc::new(basis),
+            instead_of: None,
+        }
+    }
+
+    fn warning(incident: &Choice, outgoing: &Choice, hint: Option<Basis>, count: usize) -> Option<String> {
+        let settled = settle(incident, outgoing, hint.map(Arc::new).as_ref(), count);
+        settled.unwrap_or_else(|m| panic!("{} ({})", m.what, m.remedy)).2
+    }
+
+    #[test]
+    fn a_missing_listing_is_told() {
+        let (full, quarter) = (Basis::klems_full, Basis::klems_quarter);
+        assert_eq!(warning(&listed(quarter()), &listed(quarter()), None, 41 * 41), None);
+        let one = warning(&named(quarter()), &named(quarter()), None, 41 * 41).unwrap();
+        assert!(
+            one.contains("the listing of angle basis \"LBNL/Klems Quarter\" (<AngleBasis>) is missing"),
+            "{one}"
+        );
+        assert_eq!(
+            warning(&named(quarter()), &listed(full()), None, 41 * 145),
+            Some(one.clone())
+        );
+        assert_eq!(warning(&listed(full()), &named(quarter()), None, 41 * 145), Some(one));
+        let both = warning(&named(full()), &named(quarter()), None, 41 * 145).unwrap();
+        assert!(
+            both.contains("\"LBNL/Klems Full\" and \"LBNL/Klems Quarter\""),
+            "{both}"
+        );
+        // What the person says needs no listing.
+        assert_eq!(
+            warning(&named(quarter()), &named(quarter()), Some(quarter()), 41 * 41),
+            None
+        );
+    }
+
+    #[test]
+    fn another_basis_is_told_in_words() {
+        let unnamed = Choice::Unknown(String::new());
+        assert_eq!(
+            warning(&unnamed, &unnamed, None, 41 * 41).unwrap(),
+            "the angle basis has no name; for 1681 values the standard \"LBNL/Klems Quarter\" is used"
+        );
+        let full = named(Basis::klems_full());
+        assert_eq!(
+            warning(&full, &full, None, 41 * 41).unwrap(),
+            "angle basis \"LBNL/Klems Full\" (145 patches) is not listed; for 1681 values the standard \"LBNL/Klems \
+             Quarter\" is used"
+        );
+        let misfit = settle(&unnamed, &unnamed, None, 1).unwrap_err();
+        assert_eq!(
+            misfit.what,
+            "the angle basis has no name, and no standard basis has 1 value"
+        );
+    }
 }

@@ -133,7 +133,13 @@ impl Block<'_> {
 }
 
 fn negatives(count: usize, least: f64) -> Option<String> {
-    (count > 0).then(|| format!("{count} negative values, the least {least:e}; they count as 0"))
+    (count > 0).then(|| {
+        if count == 1 {
+            format!("1 negative value, {least:e}; it counts as 0")
+        } else {
+            format!("{count} negative values, the least {least:e}; they count as 0")
+        }
+    })
 }
 
 /// Rows become columns.

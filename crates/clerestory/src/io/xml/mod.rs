@@ -22,6 +22,8 @@ pub use read::{Hints, read};
 pub use target::Target;
 pub use write::write;
 
+use super::counted;
+
 /// Path of the one `<Layer>`.
 const LAYER: &str = "WindowElement/Optical/Layer";
 
@@ -68,7 +70,8 @@ impl<'a> Faults<'a> {
 
     fn finish(mut self) -> Vec<String> {
         if self.untold > 0 {
-            self.warnings.push(format!("and {} warnings more", self.untold));
+            self.warnings
+                .push(format!("and {} more", counted(self.untold, "warning")));
         }
         self.warnings
     }

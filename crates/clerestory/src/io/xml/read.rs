@@ -13,7 +13,7 @@ use crate::basis::Basis;
 use crate::bsdf::{Band, Bsdf, Element, Metadata, Model, Rank};
 use crate::direction::{Scatter, Side};
 use crate::error::{Error, Result};
-use crate::io::gzip;
+use crate::io::{counted, gzip};
 
 /// What a person knows of a file that does not say it, or says it wrongly.
 #[derive(Debug, Clone, Default)]
@@ -303,8 +303,8 @@ impl<'d> Reader<'d, '_, '_> {
         }
         if self.mislabelled > 0 {
             let what = format!(
-                "{} blocks with the label of the wrong direction (BTDF for reflection)",
-                self.mislabelled
+                "{} with the label of the wrong direction (BTDF for reflection)",
+                counted(self.mislabelled, "block")
             );
             self.decoder.faults.warn(layer.at, "ScatteringDataType", what);
         }
@@ -429,7 +429,7 @@ impl<'d> Reader<'d, '_, '_> {
                 None => self.fail(
                     data,
                     "no <Wavelength> names the band",
-                    "write Visible or Solar there, or say which it is",
+                    "write Visible or Solar there, or say which with `clerestory convert IN OUT --band-of IN=visible`",
                 ),
             };
         };
@@ -535,12 +535,14 @@ impl<'d> Reader<'d, '_, '_> {
                     "direction {} does not say from which side the light comes",
                     shortened(&text)
                 ),
-                "write Front (from the exterior) or Back there, or give the side with --assume-side",
+                "write Front (from the exterior) or Back there, or say which with `clerestory convert IN OUT --assume-side \
+                 exterior`",
             ),
             _ => self.fail(
                 node,
                 format!("direction {} is not known", shortened(&text)),
-                "write Transmission or Reflection with Front or Back there, or give --assume-side and --assume-scatter",
+                "write Transmission or Reflection with Front or Back there, or say which with `clerestory convert IN OUT \
+                 --assume-side exterior --assume-scatter transmission`",
             ),
         }
     }

@@ -1,11 +1,14 @@
 //! What each program wants of a file, and how a data set is fitted to it.
 
+use std::sync::Arc;
+
 use super::fields::Field;
 use super::names;
 use crate::basis::Basis;
 use crate::bsdf::{Band, Bsdf, Matrix, Metadata, Model};
 use crate::direction::{Scatter, Side};
 use crate::error::{Error, Result};
+use crate::io::counted;
 
 /// The program that a file is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -109,13 +112,18 @@ fn left_out(names: &[&str], target: Target, notes: &mut Vec<String>) {
 
 fn need_band<'b>(bsdf: &'b Bsdf, name: &str, target: Target) -> Result<&'b Band> {
     bsdf.band(Some(name)).map_err(|_| {
-        let held: Vec<&str> = bsdf.bands().iter().map(|b| b.name.as_str()).collect();
         Error::Missing(format!(
             "{} needs band {name:?}; the data set has: {} (merge a file that holds it)",
             target.name(),
-            held.join(", ")
+            held(bsdf)
         ))
     })
+}
+
+/// Names of all bands.
+fn held(bsdf: &Bsdf) -> String {
+    let names: Vec<&str> = bsdf.bands().iter().map(|b| b.name.as_str()).collect();
+    names.join(", ")
 }
 
 fn for_radiance(bsdf: &Bsdf, notes: &mut Vec<String>) -> Result<Bsdf> {
@@ -164,17 +172,20 @@ fn for_radiance(bsdf: &Bsdf, notes: &mut Vec<String>) -> Result<Bsdf> {
     with_bands(bsdf, bands, metadata)
 }
 
+/// Bands of a file for WINDOW, in its order.
+const WINDOW_BANDS: [&str; 2] = ["solar", "visible"];
+
 fn for_window(bsdf: &Bsdf, target: Target, notes: &mut Vec<String>) -> Result<Bsdf> {
-    need_thermal(&bsdf.metadata, target)?;
+    need_for_window(bsdf, target)?;
     let mut bands = Vec::new();
-    for name in ["solar", "visible"] {
+    for name in WINDOW_BANDS {
         bands.push(window_band(need_band(bsdf, name, target)?, target, notes)?);
     }
     let names: Vec<&str> = bsdf
         .bands()
         .iter()
         .map(|b| b.name.as_str())
-        .filter(|n| !matches!(*n, "solar" | "visible"))
+        .filter(|n| !WINDOW_BANDS.contains(n))
         .collect();
     left_out(&names, target, notes);
     let mut metadata = bsdf.metadata.clone();
@@ -205,8 +216,8 @@ fn in_millimetres(metadata: &mut Metadata) {
     }
 }
 
-/// Fails with the names of all that is missing and how to give it.
-fn need_thermal(metadata: &Metadata, target: Target) -> Result<()> {
+/// Fails with the names of all that is missing, metadata and data, and how to give it.
+fn need_for_window(bsdf: &Bsdf, target: Target) -> Result<()> {
     let mut needed = vec![
         ("emissivity_exterior", "--emissivity-exterior"),
         ("emissivity_interior", "--emissivity-interior"),
@@ -216,33 +227,82 @@ fn need_thermal(metadata: &Metadata, target: Target) -> Result<()> {
     if target == Target::EnergyPlus {
         needed.push(("thermal_conductivity", "--conductivity"));
     }
-    let mut missing = Vec::new();
+    let (mut fields, mut options) = (Vec::new(), Vec::new());
+    let mut zero = None;
     for (name, option) in needed {
-        match Field::named(name)?.number(metadata) {
-            // Its heat balance does not converge with an emissivity of 0 (EnergyPlus issue 7698).
-            Some(0.0) if target == Target::EnergyPlus && name.starts_with("emissivity") => {
-                return Err(Error::Argument(format!(
-                    "{name} is 0, with which EnergyPlus cannot compute (give a value above 0 with {option})"
-                )));
-            }
+        match Field::named(name)?.number(&bsdf.metadata) {
+            Some(0.0) if target == Target::EnergyPlus && name.starts_with("emissivity") => zero = Some((name, option)),
             Some(_) => {}
-            None => missing.push((name, option)),
+            None => {
+                fields.push(name);
+                options.push(option);
+            }
         }
     }
-    if missing.is_empty() {
-        return Ok(());
+    let mut data = Vec::new();
+    for name in WINDOW_BANDS {
+        match bsdf.band(Some(name)) {
+            Ok(band) => data.extend(missing_directions(band, target)),
+            Err(_) => data.push(format!("band {name:?}")),
+        }
     }
-    let names: Vec<&str> = missing.iter().map(|m| m.0).collect();
-    let options: Vec<&str> = missing.iter().map(|m| m.1).collect();
-    Err(Error::Missing(format!(
-        "{} needs {} (give {})",
-        target.name(),
-        names.join(", "),
-        options.join(", ")
-    )))
+    let mut parts = Vec::new();
+    if !fields.is_empty() {
+        parts.push(format!("{} (give {})", fields.join(", "), options.join(", ")));
+    }
+    if !data.is_empty() {
+        parts.push(format!(
+            "{}; the data set has: {} (merge a file that holds {})",
+            data.join(", "),
+            held(bsdf),
+            if data.len() == 1 { "it" } else { "them" }
+        ));
+    }
+    if !parts.is_empty() {
+        return Err(Error::Missing(format!(
+            "{} needs {}",
+            target.name(),
+            parts.join(" and ")
+        )));
+    }
+    // Its heat balance does not converge with an emissivity of 0 (EnergyPlus issue 7698).
+    zero.map_or(Ok(()), |(name, option)| {
+        Err(Error::Argument(format!(
+            "{name} is 0, with which EnergyPlus cannot compute (give a value above 0 with {option})"
+        )))
+    })
 }
 
-/// A band on a Klems basis with all directions, as far as they are needed.
+/// The directions of a band that the target needs and that cannot be had by reciprocity either.
+fn missing_directions(band: &Band, target: Target) -> Vec<String> {
+    let mut missing = Vec::new();
+    for side in Side::BOTH {
+        for scatter in Scatter::BOTH {
+            let unneeded = target == Target::EnergyPlus && (side, scatter) == (Side::Exterior, Scatter::Reflection);
+            if !unneeded && available(band, side, scatter).is_none() {
+                missing.push(format!(
+                    "{} (light from the {}) of band {:?}",
+                    names::direction(side, scatter),
+                    side.name(),
+                    band.name
+                ));
+            }
+        }
+    }
+    missing
+}
+
+/// The model of a direction, or of the other side's transmission, which has the same by reciprocity (then true).
+fn available(band: &Band, side: Side, scatter: Scatter) -> Option<(&Model, bool)> {
+    let of = |side| band.get(side, scatter).map(Arc::as_ref);
+    match (of(side), scatter) {
+        (Some(model), _) => Some((model, false)),
+        (None, Scatter::Transmission) => of(side.opposite()).map(|model| (model, true)),
+        (None, Scatter::Reflection) => None,
+    }
+}
+
+/// A band on a Klems basis with all directions that are needed; that these are there is known.
 fn window_band(band: &Band, target: Target, notes: &mut Vec<String>) -> Result<Band> {
     let mut result = Band::new(band.name.clone());
     result.source_spectrum.clone_from(&band.source_spectrum);
@@ -250,24 +310,17 @@ fn window_band(band: &Band, target: Target, notes: &mut Vec<String>) -> Result<B
     for side in Side::BOTH {
         for scatter in Scatter::BOTH {
             let what = format!("{} of band {:?}", names::direction(side, scatter), band.name);
-            let model = if let Some(model) = band.get(side, scatter) {
-                (**model).clone()
-            } else if scatter == Scatter::Transmission
-                && let Some(other) = band.get(side.opposite(), scatter)
-            {
-                notes.push(format!("{what} was not there; it is the other side's by reciprocity"));
-                other.reciprocal()
-            } else if target == Target::EnergyPlus && (side, scatter) == (Side::Exterior, Scatter::Reflection) {
-                notes.push(format!("{what} is not there; EnergyPlus does without"));
+            let Some((model, by_reciprocity)) = available(band, side, scatter) else {
+                notes.push(format!("{what} is not there; {} does without", target.name()));
                 continue;
-            } else {
-                return Err(Error::Missing(format!(
-                    "{} needs {what}, light from the {} (merge a file that holds it)",
-                    target.name(),
-                    side.name()
-                )));
             };
-            result.set(side, scatter, Some(window_matrix(&model, &what, target, notes)?.into()));
+            let matrix = if by_reciprocity {
+                notes.push(format!("{what} was not there; it is the other side's by reciprocity"));
+                window_matrix(&model.reciprocal(), &what, target, notes)?
+            } else {
+                window_matrix(model, &what, target, notes)?
+            };
+            result.set(side, scatter, Some(matrix.into()));
         }
     }
     Ok(result)
@@ -292,9 +345,12 @@ fn window_matrix(model: &Model, what: &str, target: Target, notes: &mut Vec<Stri
     };
     let negative = matrix.values().iter().filter(|v| **v < 0.0).count();
     if negative > 0 {
-        notes.push(format!("{negative} negative values of {what} are written as 0"));
+        notes.push(format!(
+            "{} of {what} written as 0",
+            counted(negative, "negative value")
+        ));
     }
     let values = matrix.values().iter().map(|v| v.max(0.0)).collect();
-    let basis = std::sync::Arc::new(basis);
+    let basis = Arc::new(basis);
     Ok(Model::Matrix(Matrix::new(basis.clone(), basis, values)?))
 }

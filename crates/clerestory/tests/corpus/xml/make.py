@@ -146,10 +146,10 @@ FILES = {
     ),
     "commas-doubled.xml": ("error", "is not a finite", with_values(VALUES.replace(" ", ",,"))),
     # Angle bases.
-    "basis-unknown.xml": ("error", '"other", which is not known', with_block(block(basis="other"))),
+    "basis-unknown.xml": ("error", '"other" is neither listed nor known', with_block(block(basis="other"))),
     "basis-unnamed.xml": (
         "error",
-        "without a name, is not listed",
+        "the angle basis has no name",
         window(layer(data(block(basis="")), defined=definition(listing=""))),
     ),
     "basis-too-small.xml": (
@@ -261,7 +261,7 @@ FILES = {
     "band-unusual.xml": ("warning", "not one of the usual ones", GOOD.replace("Visible", "Photopic")),
     "reflection-labelled-btdf.xml": (
         "warning",
-        "label of the wrong direction",
+        "1 block with the label of the wrong direction",
         with_block(block(OTHER, direction="Reflection Front")),
     ),
     "direction-in-other-words.xml": (
@@ -275,7 +275,7 @@ FILES = {
         "2 negative values, the least -1e-1",
         with_values(VALUES.replace("0.10", "-0.1").replace("0.11", "-0.01")),
     ),
-    "tree-negative.xml": ("warning", "1 negative values", with_tree("{-0.5}")),
+    "tree-negative.xml": ("warning", "1 negative value, -5e-1; it counts as 0", with_tree("{-0.5}")),
     "reflection-is-transmission.xml": (
         "warning",
         "value for value, as Transmission Front",
@@ -290,6 +290,11 @@ FILES = {
         "warning",
         "Columns, the usual one, is assumed",
         GOOD.replace("IncidentDataStructure>", "Structure>"),
+    ),
+    "listing-missing.xml": (
+        "warning",
+        'the listing of angle basis "LBNL/Klems Quarter" (<AngleBasis>) is missing',
+        window(layer(data(block(" ".join(["0.1"] * 41**2), basis="LBNL/Klems Quarter")), defined=definition(listing=""))),
     ),
     "tree-without-basis.xml": ("warning", "LBNL/Shirley-Chiu is assumed", with_tree("{1}", basis="")),
     "latin-1.xml": (
