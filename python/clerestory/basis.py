@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clerestory import _core
+from clerestory.counts import counted
 from clerestory.directions import Side
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ class Basis:
         return hash(tuple(self.rings))
 
     def __repr__(self) -> str:
-        return f"<Basis {self.name!r}: {len(self)} patches in {len(self.rings)} rings>"
+        return f"<Basis {self.name!r}: {counted(len(self), 'patch', 'patches')} in {counted(len(self.rings), 'ring')}>"
 
     def index_of_incident(self, incident: ArrayLike) -> NDArray[np.int64]:
         """0-based patch of directions (..., 3) toward sources."""

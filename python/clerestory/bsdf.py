@@ -10,6 +10,7 @@ import numpy as np
 from clerestory import _core
 from clerestory.basis import Basis
 from clerestory.convert import Operations
+from clerestory.counts import counted
 from clerestory.metadata import Metadata
 from clerestory.model import Model
 
@@ -56,7 +57,7 @@ class Region:
         beyond = [i for i in chosen if not 0 <= i < len(basis)]
         if beyond:
             raise _core.ClerestoryError(f"{basis.name} has no patch of index {beyond[0]} (give 0 to {len(basis) - 1})")
-        return cls((basis._core, chosen), f"{len(chosen)} patches of {basis.name}")
+        return cls((basis._core, chosen), f"{counted(len(chosen), 'patch', 'patches')} of {basis.name}")
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from clerestory.counts import counted
 from clerestory.directions import direction
 from clerestory.integrals import hemispherical
 
@@ -106,4 +107,4 @@ def as_html(bsdf: Bsdf) -> str:
 
 
 def _warnings(bsdf: Bsdf) -> str:
-    return "1 warning" if len(bsdf.warnings) == 1 else f"{len(bsdf.warnings)} warnings"
+    return counted(len(bsdf.warnings), "warning")

@@ -16,6 +16,7 @@ import numpy as np
 from clerestory._core import ClerestoryError
 from clerestory.basis import Basis
 from clerestory.bsdf import Region
+from clerestory.counts import counted
 from clerestory.directions import direction, incident_in_words
 
 if TYPE_CHECKING:
@@ -320,12 +321,12 @@ class _Points:
     ) -> _Points:
         own = own_basis(bsdf, scatter, side, band)
         chosen = basis or own or Basis.named("klems-full")
-        where = f"the {len(chosen)} patches of {chosen.name}"
+        where = f"the {counted(len(chosen), 'patch', 'patches')} of {chosen.name}"
         if own is not None and chosen == own:
             return cls(chosen, chosen.incident_centres(side), 1, side, f"{where}, the data's own")
         root = max(1, round(samples**0.5))
         directions = np.concatenate([chosen.sample_incident(k, _grid(root), side) for k in range(len(chosen))])
-        return cls(chosen, directions, root * root, side, f"{root * root} directions in each of {where}")
+        return cls(chosen, directions, root * root, side, f"{counted(root * root, 'direction')} in each of {where}")
 
     def means(
         self, values: NDArray[np.float64], errors: NDArray[np.float64]

@@ -22,6 +22,7 @@ import numpy as np
 from clerestory import _core
 from clerestory.bsdf import Bsdf
 from clerestory.convert import ConversionReport, Operations
+from clerestory.counts import counted
 from clerestory.directions import SCATTERS, SIDES
 from clerestory.whole import write_whole
 
@@ -210,14 +211,14 @@ class _Reader:
         if info is None:
             raise _bad(f"{name} is missing")
         if size is not None and not size <= info.file_size <= size + 4096:
-            raise _bad(f"{name} has {info.file_size} bytes where about {size} belong")
+            raise _bad(f"{name} has {counted(info.file_size, 'byte')} where about {size} belong")
         try:
             with self.archive.open(info) as file:
                 content = file.read(info.file_size + 1)
         except (zipfile.BadZipFile, zlib.error, OSError, EOFError, RuntimeError, ValueError) as error:
             raise _bad(f"{name} cannot be unpacked", error) from error
         if len(content) != info.file_size:
-            raise _bad(f"{name} has {len(content)} bytes, not the {info.file_size} that it claims")
+            raise _bad(f"{name} has {counted(len(content), 'byte')}, not the {info.file_size} that it claims")
         return content
 
     def get(self, owner: object, key: str, kind: type[T], place: str) -> T:
@@ -267,7 +268,7 @@ class _Reader:
             raise _bad(f"{member} has type {found} and shape {shape} where {dtype} and {(length,)} belong")
         room = len(content) - stream.tell()
         if room != length * dtype.itemsize:
-            raise _bad(f"{member} has {room} bytes of values where {length * dtype.itemsize} belong")
+            raise _bad(f"{member} has {counted(room, 'byte')} of values where {length * dtype.itemsize} belong")
         values = np.frombuffer(content, dtype, offset=stream.tell())
         if dtype.kind == "f" and not np.isfinite(values).all():
             raise _bad(f"{member} holds {values[~np.isfinite(values)][0]} at place {np.argmin(np.isfinite(values))}")

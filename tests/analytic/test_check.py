@@ -146,7 +146,7 @@ def test_negative_values():
     values[3, 5] = -1e-4
     (finding,) = found(of(t=values), "negative")
     assert finding.severity == "note"
-    assert finding.what.startswith("1 of 21025 values are negative")
+    assert finding.what.startswith("1 of 21025 values is negative; it would take")
     (finding,) = found(of(t=lobe() - 0.3), "negative")
     assert finding.severity == "warning"
 

@@ -62,7 +62,7 @@ def test_json_is_all_that_is_printed(folder, capsys):
         (["{one}", "{two}", "-o", "{missing}"], 2, "does not exist (create it first)"),
         (["{one}", "{two}", "-o", "{folder}/x.png"], 2, "the report is an HTML file"),
         (["{one}", "{folder}/no.xml", "-o", "{new}"], 1, "no.xml: no such file"),
-        (["{one}", "{two}", "-o", "{new}", "--label", "a"], 2, "1 labels do not go with 2 files"),
+        (["{one}", "{two}", "-o", "{new}", "--label", "a"], 2, "1 label for 2 files"),
         (["A={one}", "B={two}", "-o", "{new}", "--label", "a", "--label", "b"], 2, "labels are there twice"),
         (["{one}", "{two}", "-o", "{new}", "--patches", "1,x"], 2, "not numbers with commas"),
         (["{one}", "{two}", "-o", "{new}", "--patches", "999"], 1, "Klems patch 999 does not exist"),

@@ -105,7 +105,7 @@ def test_numbers_are_given_as_json(files, tmp_path, capsys):
         (["A", "B", "-o", "x.png", "--kind", "solid"], "2 files do not fit"),
         (["A", "-o", "x.png", "--kind", "solid", "--patch", "1", "--patch", "2"], "shows one incident direction"),
         (["A", "-o", "x.png", "--kind", "solid", "--dsf"], "--dsf: has no effect on --kind solid"),
-        (["A", "B", "-o", "x.png", "--label", "one"], "1 names do not go with 2 files"),
+        (["A", "B", "-o", "x.png", "--label", "one"], "1 name for 2 files"),
         (["A", "B", "-o", "x.png", "--label", "one", "--label", "one"], "given twice"),
         (["A", "-o", "x.png", "--patch", "146"], "1 to 145"),
         (["A", "-o", "x.png", "--incident", "95,0"], "0 to 90"),

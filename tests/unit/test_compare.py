@@ -177,7 +177,7 @@ def test_dark_data_have_no_transport_distance():
         ({"sets": [diffuser(0.1)]}, "1 data set cannot be compared"),
         ({"sets": []}, "no data sets cannot be compared"),
         ({"sets": [diffuser(0.1)] * 21}, "21 data sets cannot be compared"),
-        ({"sets": [diffuser(0.1)] * 2, "labels": ["a"]}, "1 labels do not go with 2"),
+        ({"sets": [diffuser(0.1)] * 2, "labels": ["a"]}, "1 label for 2 data sets"),
         ({"sets": [diffuser(0.1)] * 2, "labels": ["a", "a"]}, "'a' is there twice"),
         ({"sets": [diffuser(0.1)] * 2, "labels": ["a", " "]}, "label 2 is empty"),
         ({"sets": [diffuser(0.1)] * 2, "patches": (0,)}, "patch 0 does not exist"),

@@ -8,6 +8,7 @@ import pytest
 from clerestory import Bsdf, Model
 from clerestory.compare import compare, write_report
 from clerestory.compare.report import html, subscripts
+from clerestory.plot.view import View
 
 ET = ("exterior", "transmission")
 EVIL = '<script>alert("x")</script> & "Co"'
@@ -65,6 +66,15 @@ def test_every_main_value_is_shown(comparison, report):
     assert "Against simple models" in report
     assert f"Clerestory {comparison.version}" in report
     assert "clerestory compare &lt;a&gt; b" in report
+
+
+def test_values_under_the_pictures_are_those_of_the_table(comparison, report):
+    assert "Under each stands T<sub>d\u2011h</sub> of table 2, the mean over the incident patch" in report
+    samples = comparison.settings.samples
+    for patch in (1, 41):
+        (quantity,) = [q for q in comparison.of_group("direct-hemispherical") if q.patch == patch]
+        for label, value in zip(comparison.labels, quantity.values, strict=True):
+            assert View.of(comparison.data[label], patch).total(samples=samples) == value
 
 
 def test_the_same_data_make_the_same_bytes(comparison, report, tmp_path):

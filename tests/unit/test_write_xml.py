@@ -119,12 +119,16 @@ def test_window_asks_for_what_is_missing(tmp_path):
         bsdf.with_metadata(tir=0.1).write(tmp_path / "a.xml", target="window")
     assert "--emissivity-exterior, --emissivity-interior, --thickness" in str(info.value)
     assert "--tir" not in str(info.value)
-    with pytest.raises(MissingDataError, match=r"needs .*--thickness.* and band \"solar\".*has: visible \(merge a file"):
+    with pytest.raises(
+        MissingDataError, match=r"needs .*--thickness.* and band \"solar\".*has: visible \(merge a file"
+    ):
         sample("visible").write(tmp_path / "a.xml", target="window")
     with pytest.raises(MissingDataError, match=r"needs band \"solar\""):
         sample("visible").with_metadata(**THERMAL).write(tmp_path / "a.xml", target="window")
     half = sample("visible", "solar", faces=FACES[:3]).with_metadata(**THERMAL)
-    with pytest.raises(MissingDataError, match=r"Reflection Back \(light from the interior\) of band \"solar\", Refl.*holds them"):
+    with pytest.raises(
+        MissingDataError, match=r"Reflection Back \(light from the interior\) of band \"solar\", Refl.*holds them"
+    ):
         half.write(tmp_path / "a.xml", target="window")
     notes = bsdf.with_metadata(**THERMAL).write(tmp_path / "a.xml", target="window")
     assert notes == ["WINDOW does not use these bands, which are left out: uv"]

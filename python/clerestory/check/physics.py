@@ -167,15 +167,15 @@ def negative(tables: Tables) -> Iterator[Finding]:
         count = int(np.sum(table.values < 0.0))
         if count == 0:
             continue
+        verb = "is negative; it" if count == 1 else "are negative; together they"
         light = float(np.sum(table.positive * table.weights))
         share = float(np.sum((table.positive - table.values) * table.weights)) / light if light > 0.0 else 1.0
         yield Finding(
             "warning" if share > NEGATIVE else "note",
             "negative",
             table.where,
-            f"{count} of {table.values.size} values are negative; together they would take "
-            f"{percent(share)} of the light away",
-            "they count as 0 in all results; subtract the dark signal before the next export",
+            f"{count} of {table.values.size} values {verb} would take {percent(share)} of the light away",
+            "negative values count as 0 in all results; subtract the dark signal before the next export",
         )
 
 

@@ -22,6 +22,7 @@ from clerestory.cli.common import (
     side_of,
     warn,
 )
+from clerestory.counts import counted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -141,7 +142,7 @@ def _names(given: Sequence[str | None], paths: Sequence[str], labels: Sequence[s
             raise UsageError("labels are there twice (give them by --label, or as LABEL=FILE)")
         if len(labels) != len(paths):
             raise UsageError(
-                f"{len(labels)} labels do not go with {len(paths)} files (give --label once for each, in order)"
+                f"{counted(len(labels), 'label')} for {counted(len(paths), 'file')} (give --label for each, in order)"
             )
         return list(labels)
     return [label or made for label, made in zip(given, default_labels(paths), strict=True)]

@@ -25,6 +25,7 @@ from clerestory.cli.common import (
     side_of,
     write_whole,
 )
+from clerestory.counts import counted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -212,7 +213,9 @@ def _labels(paths: Sequence[Path], labels: Sequence[str] | None) -> list[str]:
 
     names = default_labels(paths) if labels is None else list(labels)
     if len(names) != len(paths):
-        raise UsageError(f"--label: {len(names)} names do not go with {len(paths)} files (give one a file, in order)")
+        raise UsageError(
+            f"--label: {counted(len(names), 'name')} for {counted(len(paths), 'file')} (give one a file, in order)"
+        )
     twice = [name for name in names if names.count(name) > 1]
     if twice:
         raise UsageError(f"--label {twice[0]}: given twice (give each data set a name of its own)")

@@ -15,6 +15,7 @@ from clerestory._core import ClerestoryError, MissingDataError
 from clerestory.bsdf import Bsdf
 from clerestory.compare.quantities import klems
 from clerestory.compare.result import DataSet
+from clerestory.counts import counted
 from clerestory.describe import blocks
 from clerestory.files import default_labels, read
 
@@ -70,13 +71,13 @@ def _named(sets: Sources, labels: Sequence[str] | None) -> dict[str, Source]:
     else:
         sources = list(sets)
     if not LEAST <= len(sources) <= MOST:
-        count = {0: "no data sets", 1: "1 data set"}.get(len(sources), f"{len(sources)} data sets")
+        count = counted(len(sources), "data set") if sources else "no data sets"
         raise ClerestoryError(f"{count} cannot be compared (give {LEAST} to {MOST})")
     if labels is None:
         labels = default_labels([None if isinstance(s, Bsdf) else os.fspath(s) for s in sources])
     if len(labels) != len(sources):
         raise ClerestoryError(
-            f"{len(labels)} labels do not go with {len(sources)} data sets (give one for each, in order)"
+            f"{counted(len(labels), 'label')} for {len(sources)} data sets (give one for each, in order)"
         )
     twice = [label for label, count in Counter(labels).items() if count > 1]
     if twice:

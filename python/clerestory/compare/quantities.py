@@ -14,6 +14,7 @@ import numpy as np
 
 from clerestory.basis import Basis
 from clerestory.bsdf import Region
+from clerestory.counts import counted
 from clerestory.directions import angles
 from clerestory.integrals import continued, cut_off, hemispherical, own_basis, patch_directions
 
@@ -118,7 +119,7 @@ def _incident(bsdf: Bsdf, settings: Settings, patch: int, scatter: Scatter) -> t
     points = patch_directions(bsdf, patch, scatter, side=settings.side, band=settings.band, samples=settings.samples)
     if len(points) == 1 and own_basis(bsdf, scatter, settings.side, settings.band) == klems():
         return points, "incident Klems full patch, the data's own"
-    return points, f"mean over {len(points)} directions of the incident Klems full patch"
+    return points, f"mean over {counted(len(points), 'direction')} of the incident Klems full patch"
 
 
 def _mean(

@@ -153,7 +153,8 @@ def _pictures(comparison: Comparison, tell: Callable[[float], object]) -> dict[s
     common = {"side": settings.side, "scatter": settings.scatter, "band": settings.band}
     made = {"bars": _png(_bars(comparison))}
     tell(0.2)
-    made["hemispheres"] = _png(hemisphere_grid(data, settings.patches, **common))  # type: ignore[arg-type]
+    grid = hemisphere_grid(data, settings.patches, **common, samples=settings.samples)  # type: ignore[arg-type]
+    made["hemispheres"] = _png(grid)
     tell(0.6)
     made["slices"] = _png(slices(data, settings.patches, **common))  # type: ignore[arg-type]
     tell(1.0)

@@ -40,6 +40,7 @@ def hemisphere_grid(
     projection: disk.Projection = "polar",
     limits: tuple[float, float] | None = None,
     pixels: int = 220,
+    samples: int = 16,
 ) -> Figure:
     """Falsecolour hemispheres: a row for each data set, a column for each incident direction, one scale for all.
 
@@ -53,6 +54,8 @@ def hemisphere_grid(
         Patches of Klems' full basis (from 1) or directions (3,) toward the source.
     side, scatter, band, scale, quantity, projection, limits, pixels
         As for `hemisphere`.
+    samples
+        Directions over which the value under a picture is averaged where a patch names the light; a square number.
     """
     data, sources = labelled(sets), lights(incident, side)
     band = common_band(data, band)
@@ -101,7 +104,7 @@ def hemisphere_grid(
                 ax.text(
                     0,
                     -1.03,
-                    f"{view.symbol} = {style.figures(view.total())} ({view.total_of})",
+                    f"{view.symbol} = {style.figures(view.total(samples=samples))} ({view.total_of})",
                     ha="center",
                     va="top",
                     fontsize=7,

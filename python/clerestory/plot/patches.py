@@ -11,6 +11,7 @@ from matplotlib.patches import Circle, Patch, Wedge
 from clerestory._core import ClerestoryError
 from clerestory.basis import Basis
 from clerestory.bsdf import Region
+from clerestory.counts import counted
 from clerestory.plot import disk, style
 from clerestory.plot.view import View
 
@@ -159,7 +160,9 @@ def basis_patches(
     _write(ax, basis, projection, numbers, [style.INK] * len(basis), turn_deg=turn)
     disk.frame(ax, projection, circles=False, words=disk.INCIDENT_WORDS if turn else disk.OUTGOING_WORDS)
     where = "light that comes from there" if turn else "light that goes there"
-    ax.set_title(f"{basis.name}: {len(basis)} patches\n{of} directions ({where}), as seen from the room")
+    ax.set_title(
+        f"{basis.name}: {counted(len(basis), 'patch', 'patches')}\n{of} directions ({where}), as seen from the room"
+    )
     return style.figure_of(ax)
 
 

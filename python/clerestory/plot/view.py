@@ -147,16 +147,19 @@ class View:
         """Beams among the scattered light."""
         return self.bsdf.peaks(self.light.direction, self.scatter, self.band)
 
-    def total(self, region: Region | None = None) -> float:
+    def total(self, region: Region | None = None, *, samples: int = 16) -> float:
         """Direct-hemispherical value, or the part that goes into a region.
 
         Where the light is named by a Klems patch it is the mean over that patch, as in a comparison's tables; a matrix
-        on Klems' full basis has it as its own. A direction has the value of just this direction.
+        on Klems' full basis has it as its own, other data have it by `samples` directions. A direction has the value of
+        just this direction.
         """
         incident = self.light.direction
         if self.light.patch is not None:
             side = self.light.side
-            incident = patch_directions(self.bsdf, self.light.patch, self.scatter, side=side, band=self.band)
+            incident = patch_directions(
+                self.bsdf, self.light.patch, self.scatter, side=side, band=self.band, samples=samples
+            )
         return float(np.mean(self.bsdf.integrate(incident, self.scatter, region, self.band)))
 
     @property

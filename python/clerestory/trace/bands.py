@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from clerestory.counts import counted
 from clerestory.trace.keys import Keys, Positive, RecipeError, suggestion, wrong
 
 
@@ -44,7 +45,8 @@ class Bands(Keys):
         if self.wavelengths_nm is not None and len(self.wavelengths_nm) != len(self.names):
             raise wrong(
                 "wavelengths_nm",
-                f"{len(self.wavelengths_nm)} wavelengths do not go with {len(self.names)} bands (give one each)",
+                f"{counted(len(self.wavelengths_nm), 'wavelength')} for {counted(len(self.names), 'band')}"
+                " (give one each)",
             )
         return self
 

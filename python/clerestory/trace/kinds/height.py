@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from clerestory.counts import counted
 from clerestory.trace.keys import Positive, RecipeError
 from clerestory.trace.kinds.common import Kind
 from clerestory.trace.shapes import Mesh
@@ -87,6 +88,6 @@ def _read(path: Path, key: str) -> Floats:
     heights = np.asarray(heights, dtype=np.float64)
     if not np.isfinite(heights).all():
         raise RecipeError(
-            f"{key}: {path} has holes: {int((~np.isfinite(heights)).sum())} values are not finite (fill them)"
+            f"{key}: {path} has holes: {counted(int((~np.isfinite(heights)).sum()), 'value')} not finite (fill them)"
         )
     return heights

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from clerestory.counts import counted
 from clerestory.trace.keys import RecipeError
 
 if TYPE_CHECKING:
@@ -49,14 +50,14 @@ def read_scan(path: Path, key: str) -> tuple[Floats, Floats]:
         places = [head.index(c) for c in COLUMNS]
         rows = rows[1:]
     elif len(head) != 2:
-        raise RecipeError(f"{key}: {path} has {len(head)} columns without names (give x_um and z_um, in µm)")
+        raise RecipeError(f"{key}: {path} has {counted(len(head), 'column')} without names (give x_um and z_um, in µm)")
     values = []
     for number, row in rows:
         if len(row) <= max(places) or not all(_is_number(row[p]) for p in places):
             raise RecipeError(f"{key}: {path}, line {number}: not two numbers (give x_um and z_um, in µm)")
         values.append([float(row[p]) for p in places])
     if len(values) < 3:
-        raise RecipeError(f"{key}: {path} holds {len(values)} points (a scan has three or more)")
+        raise RecipeError(f"{key}: {path} holds {counted(len(values), 'point')} (a scan has three or more)")
     scan = np.array(values)
     if not np.isfinite(scan).all():
         raise RecipeError(f"{key}: {path} holds values that are not finite (cut them out)")

@@ -294,7 +294,9 @@ FILES = {
     "listing-missing.xml": (
         "warning",
         'the listing of angle basis "LBNL/Klems Quarter" (<AngleBasis>) is missing',
-        window(layer(data(block(" ".join(["0.1"] * 41**2), basis="LBNL/Klems Quarter")), defined=definition(listing=""))),
+        window(
+            layer(data(block(" ".join(["0.1"] * 41**2), basis="LBNL/Klems Quarter")), defined=definition(listing=""))
+        ),
     ),
     "tree-without-basis.xml": ("warning", "LBNL/Shirley-Chiu is assumed", with_tree("{1}", basis="")),
     "latin-1.xml": (
