@@ -292,7 +292,7 @@ mod tests {
             ("genbox m b 1 2", "genbox: lacks a size"),
             ("genbox m b 1 2 -3", "a size of -3"),
             ("genbox m b 1 2 3 -r .1", "option \"-r\""),
-            ("genprism m p 2 0 0 1 1", "2 vertices"),
+            ("genprism m p 2 0 0 1 1", "2 corners"),
             ("genprism m p 3 0 0 1 0 0", "lacks a coordinate"),
             ("genprism m p 3 0 0 1 0 0 1 -l 1 0 0", "lies in the polygon's plane"),
             ("genprism m p -", "standard input"),
