@@ -18,7 +18,7 @@ from clerestory.directions import SIDES
 BASIS = Basis.named("klems-full")
 # Points a patch for the mean of a closed form over it.
 GRID = 300
-SAMPLES = 4096
+SAMPLES = 65536
 #: All scores, to be judged together.
 SCORES: list[np.ndarray] = []
 
@@ -62,11 +62,11 @@ def scores(recipe, expected, scatter: str = "transmission", part: str = "all") -
     for side in SIDES:
         values, errors = bsdf.integrate_with_error(BASIS.incident_centres(side), scatter, part=part)
         truth = expected(side)
-        exact = errors < 1e-9
-        # Where all paths tell the same, they must tell the truth.
-        assert np.abs(values - truth)[exact] == pytest.approx(0.0, abs=2e-5)
-        assert errors.max() < 2e-3
-        SCORES.append((values - truth)[~exact] / errors[~exact])
+        # Where few paths or all of them pass there is no score, but there is the truth.
+        few = np.minimum(truth, 1.0 - truth) < 20.0 / SAMPLES
+        assert np.abs(values - truth)[few].max(initial=0.0) < 20.0 / SAMPLES
+        assert errors.max() < 1e-3
+        SCORES.append((values - truth)[~few] / errors[~few])
 
 
 @pytest.mark.parametrize("tilt_deg", [0.0, 15.0, 45.0, -30.0, 80.0])
