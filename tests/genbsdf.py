@@ -8,11 +8,14 @@ import itertools
 import math
 import os
 import subprocess
+import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pyradiance
+import pyradiance.genbsdf
 from pyradiance.genbsdf import SamplingBox, generate_bsdf
 
 import clerestory
@@ -158,6 +161,37 @@ def scenes() -> list[Scene]:
     ]
 
 
+@dataclass
+class Clock:
+    """Time of the peer's run [s]."""
+
+    whole: float = 0.0
+    """All of it."""
+    rays: float = 0.0
+    """Inside of rfluxmtx."""
+
+
+@contextlib.contextmanager
+def _timed(clock: Clock) -> Iterator[None]:
+    """Times what happens, and rfluxmtx in it."""
+    original = pyradiance.genbsdf.rfluxmtx
+
+    def rfluxmtx(*args: Any, **kwargs: Any) -> Any:
+        start = time.perf_counter()
+        try:
+            return original(*args, **kwargs)
+        finally:
+            clock.rays += time.perf_counter() - start
+
+    start = time.perf_counter()
+    pyradiance.genbsdf.rfluxmtx = rfluxmtx
+    try:
+        yield
+    finally:
+        pyradiance.genbsdf.rfluxmtx = original
+        clock.whole += time.perf_counter() - start
+
+
 def generate(
     scene: Scene,
     folder: Path,
@@ -166,13 +200,17 @@ def generate(
     processes: int = 1,
     levels: int = 0,
     params: tuple[str, ...] = ONE_PATH,
+    clock: Clock | None = None,
 ) -> clerestory.Bsdf:
-    """The peer's result: Klems full, or a tensor tree of 2^levels cells an axis. No reciprocity averaging."""
+    """The peer's result: Klems full, or a tensor tree of 2^levels cells an axis. No reciprocity averaging.
+
+    The clock is given the time of `generate_bsdf` alone, without wrapping and reading.
+    """
     # The package looks for its own programs on the path.
     os.environ["RAYPATH"] = f".:{PACKAGE / 'lib'}"
     box = SamplingBox(*scene.x, *scene.y, -scene.depth, 0.0)
     target: dict[str, Any] = {"tensortree": 4, "ttlog2": levels, "pctcull": 0} if levels else {"basis": "kf"}
-    with contextlib.redirect_stdout(io.StringIO()):
+    with contextlib.redirect_stdout(io.StringIO()), _timed(clock or Clock()):
         result = generate_bsdf(
             scene.text.encode(), params=list(params), recip=False, nsamp=samples, nproc=processes, dim=box, **target
         )
@@ -202,3 +240,10 @@ def generate(
         for key, model in bsdf.models["visible"].items()
     }
     return clerestory.Bsdf.from_models(models)
+
+
+def recipe(scene: Scene, folder: Path) -> dict[str, Any]:
+    """The scene as a recipe of ours: the same file, the same sampled box."""
+    path = scene.write(folder)
+    region = [1000.0 * limit for limit in (*scene.x, *scene.y)]
+    return {"sample": {"kind": "scene", "file": str(path), "unit": "m", "region_mm": region}}
