@@ -151,9 +151,8 @@ def _equal_error(folder: Path) -> str:
         clocks, errors = [], []
         for k in range(SEEDS):
             # The program has no seed: another part of the same endless blind is.
-            shifted = genbsdf.Scene(
-                scene.name, scene.text, scene.x, tuple(y + 0.0091 * k for y in scene.y), scene.depth
-            )
+            low, high = (limit + 0.0091 * k for limit in scene.y)
+            shifted = replace(scene, y=(low, high))
             clock = genbsdf.Clock()
             result = genbsdf.generate(shifted, folder, samples=samples, processes=PROCESSORS, clock=clock)
             clocks.append(clock.whole)
