@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clerestory::geometry::{Extent, Geometry as _, Mesh, Scene, Shape, Vec3};
+use clerestory::geometry::{Extent, Mesh, Scene, Shape, Vec3};
 use clerestory::io::{obj, ply, radiance, stl};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;

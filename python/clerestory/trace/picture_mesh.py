@@ -42,9 +42,9 @@ def meshes(sample: Sample, shapes: Sequence[Mesh], sections: Sequence[Section], 
     figure = new_figure(9.5, 4.8)
     front, side = figure.subplots(1, 2, width_ratios=[3.0, 2.0])
     for mesh in shapes:
-        corners = _copies(mesh, (0.0, wide), (0.0, tall))
-        _view(front, corners, mesh, scale, colours)
-        _cut(side, corners, mesh, 0.5 * wide, scale, colours)
+        corners, own = _copies(mesh, (0.0, wide), (0.0, tall))
+        _view(front, corners, own, mesh, scale, colours)
+        _cut(side, corners, own, mesh, 0.5 * wide, scale, colours)
     for section in sections:
         for piece in section.pieces:
             side.plot(*(piece.points() / scale).T, color=colours.of(piece.face.front), linewidth=1.4)
@@ -64,8 +64,8 @@ def meshes(sample: Sample, shapes: Sequence[Mesh], sections: Sequence[Section], 
     return figure
 
 
-def _copies(mesh: Mesh, x: tuple[float, float], y: tuple[float, float]) -> Floats:
-    """Corners of all triangles (copies · m, 3, 3) that reach into a part of the plane, as they are repeated."""
+def _copies(mesh: Mesh, x: tuple[float, float], y: tuple[float, float]) -> tuple[Floats, NDArray[np.int64]]:
+    """Corners of all triangles (n, 3, 3) that reach into a part of the plane when repeated, and their surfaces (n,)."""
     own = mesh.corners[mesh.triangles]
     ranges = []
     for axis, (low, high) in enumerate((x, y)):
@@ -80,15 +80,19 @@ def _copies(mesh: Mesh, x: tuple[float, float], y: tuple[float, float]) -> Float
         for i in ranges[0]
         for j in ranges[1]
     ]
-    return np.concatenate([own + move for move in moves])
+    corners = np.concatenate([own + move for move in moves])
+    inside = np.ones(len(corners), dtype=bool)
+    for axis, (low, high) in enumerate((x, y)):
+        along = corners[..., axis]
+        inside &= (along.max(axis=1) >= low) & (along.min(axis=1) <= high)
+    return corners[inside], np.tile(mesh.face, len(moves))[inside]
 
 
-def _view(axes: Axes, corners: Floats, mesh: Mesh, scale: float, colours: _Colours) -> None:
+def _view(axes: Axes, corners: Floats, own: NDArray[np.int64], mesh: Mesh, scale: float, colours: _Colours) -> None:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.maximum(np.linalg.norm(normals, axis=1), 1e-300)
     towards = np.sign(normals[:, 2])[:, None] * normals / lengths[:, None]
     bright = 0.35 + 0.65 * np.clip(towards @ LIGHT, 0.0, 1.0)
-    own = np.tile(mesh.face, len(corners) // len(mesh.face))
     # What faces the room shows its front, the rest its back.
     shades = np.array([[to_rgb(colours.of(name)) for name in (f.front, f.back)] for f in mesh.faces])
     colour = shades[own, (normals[:, 2] < 0.0).astype(int)] * bright[:, None]
@@ -101,13 +105,14 @@ def _view(axes: Axes, corners: Floats, mesh: Mesh, scale: float, colours: _Colou
     )
 
 
-def _cut(axes: Axes, corners: Floats, mesh: Mesh, x: float, scale: float, colours: _Colours) -> None:
+def _cut(
+    axes: Axes, corners: Floats, own: NDArray[np.int64], mesh: Mesh, x: float, scale: float, colours: _Colours
+) -> None:
     """Where triangles meet the plane of an x, as lines in z and y."""
     # A plane through corners would cut in points: it is moved by next to nothing.
     off = corners[..., 0] - x - 1e-7 * mesh.periods[0]
     above = off > 0.0
     chosen = np.flatnonzero(above.any(axis=1) & ~above.all(axis=1))
-    own = np.tile(mesh.face, len(corners) // len(mesh.face))
     lines, shades = [], []
     for k in chosen:
         ends = []
