@@ -96,9 +96,9 @@ def _speed(folder: Path) -> str:
         ours, theirs, inside = [], [], []
         patches = 4**job.levels if job.levels else len(BASIS)
         for seed in range(SEEDS):
-            target: dict[str, Any] = {"resolution": 2**job.levels} if job.levels else {}
             basis = "tensor4" if job.levels else "klems-full"
-            measured = trace.run(job.recipe, basis=basis, samples=job.ours, seed=seed, **target)
+            settings = trace.Settings(basis, resolution=job.levels, samples=job.ours, seed=seed)
+            measured = trace.run(job.recipe, settings)
             ours.append(measured.paths / measured.seconds)
             clock = genbsdf.Clock()
             genbsdf.generate(
@@ -163,7 +163,7 @@ def _equal_error(folder: Path) -> str:
     row("genBSDF, as it is by default", 60, [clock.whole], [_error(result, reference)])
     for name, recipe in (("Clerestory, mesh", genbsdf.recipe(scene, folder)), ("Clerestory, section", profile(10.0))):
         for samples in (4_096, 16_384, 65_536):
-            runs = [trace.run(recipe, samples=samples, seed=seed) for seed in range(SEEDS)]
+            runs = [trace.run(recipe, trace.Settings(samples=samples, seed=seed)) for seed in range(SEEDS)]
             row(name, samples, [r.seconds for r in runs], [_error(r.bsdf, reference) for r in runs])
     peer = rows[len(steps) - 1][-1]
     for line in rows:
@@ -175,7 +175,7 @@ MEMORY = """
 import resource, sys
 from clerestory import trace
 recipe, levels, samples = {recipe!r}, int(sys.argv[1]), int(sys.argv[2])
-measured = trace.run(recipe, basis="tensor4", resolution=2**levels, samples=samples, seed=1)
+measured = trace.run(recipe, trace.Settings("tensor4", resolution=levels, samples=samples))
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0, measured.seconds, measured.paths)
 """
 

@@ -12,19 +12,30 @@ sys.path[:0] = [str(ROOT / "tests")]
 
 import agreement  # noqa: E402
 import conversion  # noqa: E402
+import goniophotometer  # noqa: E402
 import loading  # noqa: E402
 import lookups  # noqa: E402
 import rays  # noqa: E402
+import round_robin  # noqa: E402
+import shading  # noqa: E402
 from samples import sample_root  # noqa: E402
 from timing import machine  # noqa: E402
 
-JOBS = {
-    "agreement": agreement.report,
-    "loading": loading.report,
-    "conversion": conversion.report,
-    "lookups": lookups.report,
-    "rays": rays.report,
+CHAPTERS = {
+    "BSDF files": {
+        "agreement": agreement.report,
+        "loading": loading.report,
+        "conversion": conversion.report,
+        "lookups": lookups.report,
+    },
+    "Virtual goniophotometer": {
+        "goniophotometer": goniophotometer.report,
+        "rays": rays.report,
+        "shading": shading.report,
+        "round-robin": round_robin.report,
+    },
 }
+JOBS = {name: job for jobs in CHAPTERS.values() for name, job in jobs.items()}
 
 
 def main() -> None:
@@ -39,28 +50,21 @@ def main() -> None:
         for name in only:
             print(JOBS[name](data))
         return
-    sections = []
-    for name, job in JOBS.items():
-        print(f"{name} ...", file=sys.stderr, flush=True)
-        sections.append(job(data))
-    text = "\n".join(
-        [
-            "# Validation",
-            "",
-            "Written by `make bench`; no figure is typed by hand. Ratios are medians of runs in turn on one machine; a",
-            "ratio above 1 means that Clerestory is faster.",
-            "",
-            f"Made on: {machine()}.",
-            "",
-            "## Agreement",
-            "",
-            sections[0],
-            "## Speed",
-            "",
-            *sections[1:],
-        ]
-    )
-    (ROOT / "docs" / "validation.md").write_text(text.rstrip() + "\n")
+    lines = [
+        "# Validation",
+        "",
+        "Written by `make bench`; no figure is typed by hand. Ratios are medians of runs in turn on one machine; a",
+        "ratio above 1 means that Clerestory is faster.",
+        "",
+        f"Made on: {machine()}.",
+        "",
+    ]
+    for chapter, jobs in CHAPTERS.items():
+        lines += [f"## {chapter}", ""]
+        for name, job in jobs.items():
+            print(f"{name} ...", file=sys.stderr, flush=True)
+            lines.append(job(data))
+    (ROOT / "docs" / "validation.md").write_text("\n".join(lines).rstrip() + "\n")
 
 
 if __name__ == "__main__":
