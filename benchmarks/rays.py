@@ -90,9 +90,9 @@ def report(_data: Path) -> str:
     head = ["section", "Clerestory [10⁶ rays/s]", "Embree [10⁶ rays/s]", "ratio"]
     return f"""### Rays
 
-One thread, rays of diffuse paths (into the sample, then on from where they met it), the best of {REPETITIONS} runs each.
-Clerestory meets the exact section; Embree, through embreex, a mesh of it: {SLATS} slats of {FACETS} facets where they are
-curved, one where they are flat. The mean ratio is {ratio:.1f}.
+One thread, rays of diffuse paths (into the sample, then on from where they met it), the best of {REPETITIONS} runs
+each. Clerestory meets the exact section; Embree, through embreex, a mesh of it: {SLATS} slats of {FACETS} facets where
+they are curved, one where they are flat. The mean ratio is {ratio:.1f}.
 
 {table(head, rows)}
 

@@ -60,11 +60,11 @@ def report(data: Path) -> str:
     head = ["layer", "quantity", "WinCalc", "middles of patches", "whole patches"]
     return f"""### Shading layers and WinCalc
 
-Diffuse-hemispherical values for light from the exterior. WinCalc takes light from the middle of each Klems patch; so the
-same is traced, and what whole patches give, as a Klems file should hold it. WinCalc divides a slat into five strips that
-are evenly bright each; a traced slat is darker in its depth, which passes less light and returns more. For a screen it
-leaves out light that the walls of the holes reflect, and takes the sheet's own reflectance for the share that is not
-open.
+Diffuse-hemispherical values for light from the exterior. WinCalc takes light from the middle of each Klems patch; so
+the same is traced, and what whole patches give, as a Klems file should hold it. WinCalc divides a slat into five strips
+that are evenly bright each; a traced slat is darker in its depth, which passes less light and returns more. For a
+screen it leaves out light that the walls of the holes reflect, and takes the sheet's own reflectance for the share that
+is not open.
 
 {table(head, [line for lines in rows for line in lines])}
 """
