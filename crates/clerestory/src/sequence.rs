@@ -64,7 +64,12 @@ pub fn circle(turns: f64) -> [f64; 2] {
     let whole = quarters as u32;
     let x = (quarters - f64::from(whole) - 0.5) * std::f64::consts::FRAC_PI_2;
     let s = x * x;
-    let series = |terms: [f64; 8]| terms.iter().rev().fold(0.0, |sum, t| sum * s + t);
+    let (s2, s4) = (s * s, s * s * (s * s));
+    // In pairs, so that the processor need not wait for one term after the other.
+    let series = |t: [f64; 8]| {
+        let pairs = [t[0] + t[1] * s, t[2] + t[3] * s, t[4] + t[5] * s, t[6] + t[7] * s];
+        (pairs[0] + pairs[1] * s2) + (pairs[2] + pairs[3] * s2) * s4
+    };
     let sin = x * series(SIN);
     let cos = series(COS);
     let [a, b] = if whole & 1 == 0 { [sin, cos] } else { [cos, sin] };
