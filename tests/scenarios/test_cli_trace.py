@@ -236,6 +236,14 @@ def test_a_radiance_scene(tmp_path, capsys):
     code, _, err = run(capsys, *words, "--unit", "m")
     assert code == 2
     assert "either --period or --region is asked for" in err
+    mesh = tmp_path / "slat.obj"
+    mesh.write_text("v 0 0 -0.04\nv 0.1 0 -0.04\nv 0.1 0 0.04\nusemtl slat\nf 1 2 3\n")
+    code, _, err = run(capsys, "trace", mesh, *words[2:], "--unit", "m", "--period", "0.1,0.072")
+    assert err == f"error: {mesh}: nothing is said of 'slat' (give --reflectance, or write a recipe)\n"
+    scene.write_text("grey polygon")
+    code, _, err = run(capsys, *words, "--unit", "m", "--period", "0.1,0.072")
+    assert err.startswith(f"error: {scene}: ")
+    assert err.count(str(scene)) == 1
     code, _, err = run(capsys, "trace", "flat-blind", "-o", tmp_path / "b.xml", "--unit", "m")
     assert code == 2
     assert "goes with a scene" in err

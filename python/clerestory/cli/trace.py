@@ -246,7 +246,13 @@ def _load(sample: str, unit: str | None, period: str | None, region: str | None,
     try:
         return load(recipe)
     except RecipeError as error:
-        raise RecipeError(f"{sample}: {error}") from None
+        # The person has written options, no recipe: the file's name is enough.
+        text = str(error).removeprefix("sample.file: ").removeprefix(f"{sample}: ")
+        if text.startswith("sample.surfaces: nothing is said"):
+            text = (
+                f"{text.partition(' (')[0].removeprefix('sample.surfaces: ')} (give --reflectance, or write a recipe)"
+            )
+        raise RecipeError(f"{sample}: {text}") from None
 
 
 @contextmanager
