@@ -19,8 +19,8 @@ const SIZE: f64 = 1024.0;
 /// Boxes are widened by this much in their frame, twice what rounding positions, directions and reciprocals to 32 bits can
 /// do over the way through the cell.
 const WIDER: f64 = 2e-3;
-/// Axes are stretched no more than this beyond the longest one, so that surface areas still tell what costs time.
-const STRETCH: f64 = 64.0;
+/// Axes are stretched no more than this beyond the longest one: a flat scene has no depth.
+const STRETCH: f64 = 1024.0;
 /// Components of directions that are smaller than this share of the greatest one are taken for this share: over the way
 /// through the cell it makes less than the widening.
 const LEAST: f64 = 1e-7;
@@ -73,16 +73,23 @@ impl Tree {
         let longest = size.x.max(size.y).max(size.z);
         let stretch = |length: f64| SIZE / length.max(longest / STRETCH);
         let scale = Vec3::new(stretch(size.x), stretch(size.y), stretch(size.z));
-        let framed = |p: Vec3, wider: f64| {
+        let framed = |p: Vec3, scale: Vec3, wider: f64| {
             let p = p - centre;
             [p.x * scale.x + wider, p.y * scale.y + wider, p.z * scale.z + wider].map(|x| x as f32)
         };
+        // What is near to what, and what costs time, is told by true lengths.
+        let even = SIZE / longest;
+        let even = Vec3::new(even, even, even);
         let aabbs: Vec<Aabb> = boxes
             .iter()
             .map(|[low, high]| Aabb {
-                min: framed(*low, -WIDER).into(),
-                max: framed(*high, WIDER).into(),
+                min: framed(*low, even, 0.0).into(),
+                max: framed(*high, even, 0.0).into(),
             })
+            .collect();
+        let boxes: Vec<Bounds> = boxes
+            .iter()
+            .map(|[low, high]| [framed(*low, scale, -WIDER), framed(*high, scale, WIDER)])
             .collect();
         let mut tree = Self {
             nodes: Vec::new(),
@@ -93,18 +100,20 @@ impl Tree {
             scale,
         };
         let indices = (0..aabbs.len() as u32).collect();
-        let distance = PlocSearchDistance::High;
+        // Far neighbours are looked at from the first level on: what is next in the order along the curve is often on another
+        // slat.
+        let (distance, from_level) = (PlocSearchDistance::High, 0);
         let builder = &mut PlocBuilder::with_capacity(aabbs.len());
-        let mut binary = builder.build(distance, &aabbs, indices, SortPrecision::U64, 2);
+        let mut binary = builder.build(distance, &aabbs, indices, SortPrecision::U64, from_level);
         ReinsertionOptimizer::default().run(&mut binary, 0.25, None);
-        tree.widen(&binary, copies);
+        tree.widen(&binary, &boxes, copies);
         tree
     }
 
     /// Takes over a binary hierarchy, eight boxes a node.
-    fn widen(&mut self, binary: &Bvh2, copies: &[Shape]) {
-        let counts = counts(binary);
-        let is_packet = |node: usize| counts[node] as usize <= PACKED;
+    fn widen(&mut self, binary: &Bvh2, boxes: &[Bounds], copies: &[Shape]) {
+        let measures = measures(binary, boxes);
+        let is_packet = |node: usize| measures[node].0 as usize <= PACKED;
         // Nodes of the binary hierarchy that are still to be made, with the place that waits for their number.
         let mut waiting = vec![(0_usize, usize::MAX, 0_usize)];
         while let Some((top, parent, place)) = waiting.pop() {
@@ -123,8 +132,7 @@ impl Tree {
                     *far = [f32::NEG_INFINITY; 8];
                 }
                 for (k, &child) in inside.iter().enumerate() {
-                    let aabb = binary.nodes[child].aabb();
-                    let (min, max): ([f32; 3], [f32; 3]) = (aabb.min.into(), aabb.max.into());
+                    let [min, max] = measures[child].1;
                     for axis in 0..3 {
                         node.bounds[axis][k] = min[axis];
                         node.bounds[axis + 3][k] = max[axis];
@@ -292,22 +300,35 @@ impl Tree {
     }
 }
 
-/// How many shapes are in each node of a binary hierarchy.
-fn counts(binary: &Bvh2) -> Vec<u32> {
-    let mut counts = vec![0; binary.nodes.len()];
+/// Least and greatest coordinates in the boxes' frame.
+type Bounds = [[f32; 3]; 2];
+
+/// How many shapes are in each node of a binary hierarchy, and within which bounds.
+fn measures(binary: &Bvh2, boxes: &[Bounds]) -> Vec<(u32, Bounds)> {
+    let nothing = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+    let joined = |a: Bounds, b: Bounds| {
+        [
+            std::array::from_fn(|k| a[0][k].min(b[0][k])),
+            std::array::from_fn(|k| a[1][k].max(b[1][k])),
+        ]
+    };
+    let mut measures = vec![(0, nothing); binary.nodes.len()];
     let mut waiting = vec![(0_usize, false)];
     while let Some((number, ready)) = waiting.pop() {
         let node = &binary.nodes[number];
         let first = node.first_index as usize;
         if node.is_leaf() {
-            counts[number] = node.prim_count;
+            let held = &binary.primitive_indices[first..first + node.prim_count as usize];
+            let bounds = held.iter().map(|&k| boxes[k as usize]).fold(nothing, joined);
+            measures[number] = (node.prim_count, bounds);
         } else if ready {
-            counts[number] = counts[first] + counts[first + 1];
+            let (a, b) = (measures[first], measures[first + 1]);
+            measures[number] = (a.0 + b.0, joined(a.1, b.1));
         } else {
             waiting.extend([(number, true), (first, false), (first + 1, false)]);
         }
     }
-    counts
+    measures
 }
 
 /// Up to eight nodes that together hold what one does: the largest ones are opened first.
