@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use clerestory::basis::Basis;
-use clerestory::geometry::{Geometry, Meeting, NO_PIECE, Piece, Profile, Ray, Vec3};
+use clerestory::geometry::{Extent, Geometry, Meeting, Mesh, NO_PIECE, Piece, Profile, Ray, Scene, Shape, Vec3};
 use clerestory::material::{Material, Medium, Surface};
 use clerestory::progress::Progress;
 use clerestory::sequence::uniform;
@@ -51,6 +51,37 @@ fn sections() -> Vec<(&'static str, Vec<Piece>, f64)> {
         ("film of 100 pieces", film(100), 1e-4),
         ("film of 3000 pieces", film(3000), 3e-3),
     ]
+}
+
+/// Slats as a mesh, of facets where they turn: as many and as long as told, or one that is repeated.
+fn mesh(piece: Piece, period: f64, count: i32, length: f64, repeated: bool) -> Mesh {
+    let facets = if piece.turn == 0.0 { 1 } else { 64 };
+    let [low, high] = [piece.from[0], piece.to[0]];
+    // Its middle rises.
+    let point = |k: i32| {
+        let at = f64::from(k) / f64::from(facets) - 0.5;
+        if piece.turn == 0.0 {
+            return [(high - low) * at, 0.0];
+        }
+        let half = piece.turn.abs() / 2.0;
+        let radius = 0.5 * (high - low) / half.sin();
+        let angle = 2.0 * half * at;
+        [radius * angle.sin(), radius * (angle.cos() - half.cos())]
+    };
+    let mut scene = Scene::default();
+    let (surface, object) = (scene.surface("slat"), scene.object("slat"));
+    for slat in 0..count {
+        let shift = f64::from(slat - count / 2) * period;
+        for k in 0..facets {
+            let at = |x: f64, [z, y]: [f64; 2]| Vec3::new(x, y + shift, z);
+            let (a, b) = (at(-length, point(k)), at(-length, point(k + 1)));
+            let (c, d) = (at(length, point(k)), at(length, point(k + 1)));
+            scene.push(Shape::Triangle([a, b, c]), surface, object);
+            scene.push(Shape::Triangle([b, d, c]), surface, object);
+        }
+    }
+    let extent = |limits: [f64; 2]| Extent { limits, repeated };
+    Mesh::new(scene, [extent([-length, length]), extent([0.0, period])]).expect("a sound scene")
 }
 
 /// About a normal, its density in proportion to the cosine.
@@ -176,6 +207,20 @@ fn main() {
                 rays.len()
             );
             if name.ends_with("slats") {
+                // Off the arc that they start on, by more than the facets' distance from it.
+                let off = |r: &Ray| Ray {
+                    origin: r.origin + r.direction * 2e-5,
+                    piece: NO_PIECE,
+                    ..*r
+                };
+                let rays: Vec<Ray> = rays.iter().map(off).collect();
+                for (kind, count, length, repeated) in [("mesh", 61, 40.0, false), ("repeated mesh", 1, 0.5, true)] {
+                    let speed = meet(&mesh(pieces[0], period, count, length, repeated), &rays);
+                    println!(
+                        r#"{{"case": "{kind} of {name}", "rays": {}, "rays_per_s": {speed:.0}}}"#,
+                        rays.len()
+                    );
+                }
                 let speed = measure(profile, 0.5);
                 println!(r#"{{"case": "{name}", "paths_per_s": {speed:.0}}}"#);
             }
