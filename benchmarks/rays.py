@@ -93,10 +93,10 @@ def report(_data: Path) -> str:
     head = ["section", "Clerestory [10⁶ rays/s]", "Embree [10⁶ rays/s]", "ratio"]
     return f"""### Rays
 
-One thread, rays of diffuse paths (into the sample, then on from where they met it), the best of {REPETITIONS} runs each.
-Clerestory meets the exact section; Embree, through embreex, a mesh of it: {SLATS} slats of {FACETS} facets where they are
-curved, one where they are flat. The mean ratio is {ratio:.1f}; on the same meshes it is {meshes:.2f}. A repeated mesh is
-one slat, repeated without end.
+One thread, rays of diffuse paths (into the sample, then on from where they met it), the best of {REPETITIONS} runs
+each. Clerestory meets the exact section; Embree, through embreex, a mesh of it: {SLATS} slats of {FACETS} facets where
+they are curved, one where they are flat. The mean ratio is {ratio:.1f}; on the same meshes it is {meshes:.2f}. A
+repeated mesh is one slat, repeated without end.
 
 {table(head, rows)}
 
