@@ -100,15 +100,16 @@ def prisms(name: str = "prisms", *, pitch: float = 0.001, base: float = 0.001, p
     text = ["void dielectric slat\n0\n0\n5 1 1 1 1.49 0\n"]
     half = prisms * pitch / 2
     ridge, valley = -base - pitch / 2, -base
+    low = -(prisms // 2) * pitch
+    # Round the body with its outside on the left.
+    way = [(0.0, low)]
     for k in range(prisms):
-        y = (k - prisms // 2) * pitch
-        # Normals point out of the body: the left of the way.
-        text.append(_strip("slat", f"u{k}", (valley, y), (ridge, y + pitch / 2), half))
-        text.append(_strip("slat", f"l{k}", (ridge, y + pitch / 2), (valley, y + pitch), half))
-    low, high = -(prisms // 2) * pitch, (prisms - prisms // 2) * pitch
-    text.append(_strip("slat", "back", (0.0, high), (0.0, low), half))
-    text.append(_strip("slat", "bottom", (0.0, low), (valley, low), half))
-    text.append(_strip("slat", "top", (valley, high), (0.0, high), half))
+        way += [(valley, low + k * pitch), (ridge, low + (k + 0.5) * pitch)]
+    way += [(valley, low + prisms * pitch), (0.0, low + prisms * pitch)]
+    for k, (a, b) in enumerate(itertools.pairwise([*way, way[0]])):
+        text.append(_strip("slat", f"s{k}", a, b, half))
+    text.append(_polygon("slat", "right", [(half, y, z) for z, y in reversed(way)]))
+    text.append(_polygon("slat", "left", [(-half, y, z) for z, y in way]))
     return Scene(name, "".join(text), (-pitch / 2, pitch / 2), (0.0, pitch), base + pitch / 2)
 
 
