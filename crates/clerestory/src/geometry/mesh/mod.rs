@@ -602,6 +602,31 @@ mod tests {
     }
 
     #[test]
+    fn what_is_not_repeated_is_missed_by_rays_beside_it() {
+        let wire = Shape::Cone {
+            ends: [v(-1.0, 0.5, 0.0), v(2.0, 0.5, 0.0)],
+            radii: [0.1; 2],
+            inward: false,
+        };
+        let mut scene = Scene::default();
+        let object = scene.object("wire");
+        scene.push(wire, 0, object);
+        let part = Extent {
+            limits: [0.0, 1.0],
+            repeated: false,
+        };
+        let mesh = Mesh::new(scene, [part, part]).expect("a sound scene");
+        for (y, meets) in [(0.2, false), (0.45, true), (0.55, true), (0.9, false)] {
+            let mut ray = Ray {
+                origin: v(0.5, y, -0.3),
+                direction: v(0.0, 0.0, 1.0),
+                piece: NO_PIECE,
+            };
+            assert_eq!(matches!(mesh.meet(&mut ray), Meeting::Hit(_)), meets, "{y}");
+        }
+    }
+
+    #[test]
     fn a_flat_sheet_is_met_by_rays_from_both_ends() {
         let mut scene = Scene::default();
         quad(

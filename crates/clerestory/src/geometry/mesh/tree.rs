@@ -192,7 +192,8 @@ impl Tree {
         let far = |t: f64| (t * (1.0 + 1e-6)) as f32 + slack;
         let sheared = Sheared::new(direction.array());
         let from = origin.array();
-        let (mut nearest, mut met) = (reach, NOTHING);
+        // Without a period a reach has no end, but what is not met is as far.
+        let (mut nearest, mut met) = (reach.min(f64::MAX), NOTHING);
         let mut limit = far(reach);
         let mut next = self.root;
         stack.clear();
