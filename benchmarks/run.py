@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import sys
 from pathlib import Path
 
@@ -38,33 +39,42 @@ CHAPTERS = {
 JOBS = {name: job for jobs in CHAPTERS.values() for name, job in jobs.items()}
 
 
+PAGE = ROOT / "docs" / "validation.md"
+INTRODUCTION = """# Validation
+
+Written by `make bench`; no figure is typed by hand. Ratios are medians of runs in turn on one machine; a ratio above 1
+means that Clerestory is faster. Each section says what it was made on.
+"""
+
+
+def _sections() -> dict[str, str]:
+    """What the page holds by now, by job."""
+    if not PAGE.exists():
+        return {}
+    found = re.findall(r"<!-- (\S+) -->\n(.*?)\n<!-- end -->", PAGE.read_text(), flags=re.DOTALL)
+    return dict(found)
+
+
+def _write(sections: dict[str, str]) -> None:
+    lines = [INTRODUCTION]
+    for chapter, jobs in CHAPTERS.items():
+        lines += [f"## {chapter}", ""]
+        lines += [f"<!-- {name} -->\n{sections[name]}\n<!-- end -->\n" for name in jobs if name in sections]
+    PAGE.write_text("\n".join(lines).rstrip() + "\n")
+
+
 def main() -> None:
-    """Runs the jobs and writes the page."""
+    """Runs jobs and writes their sections of the page."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--only", choices=JOBS, action="append", help="print this section; nothing is written")
-    only = parser.parse_args().only
+    parser.add_argument("--only", choices=JOBS, action="append", help="run this one; the other sections stay")
+    names = parser.parse_args().only or list(JOBS)
     data = sample_root()
     if data is None:
         sys.exit("error: the sample data are not there (set CLERESTORY_DATA to their folder)")
-    if only:
-        for name in only:
-            print(JOBS[name](data))
-        return
-    lines = [
-        "# Validation",
-        "",
-        "Written by `make bench`; no figure is typed by hand. Ratios are medians of runs in turn on one machine; a",
-        "ratio above 1 means that Clerestory is faster.",
-        "",
-        f"Made on: {machine()}.",
-        "",
-    ]
-    for chapter, jobs in CHAPTERS.items():
-        lines += [f"## {chapter}", ""]
-        for name, job in jobs.items():
-            print(f"{name} ...", file=sys.stderr, flush=True)
-            lines.append(job(data))
-    (ROOT / "docs" / "validation.md").write_text("\n".join(lines).rstrip() + "\n")
+    for name in names:
+        print(f"{name} ...", file=sys.stderr, flush=True)
+        text = JOBS[name](data).strip()
+        _write({**_sections(), name: f"{text}\n\nMade on: {machine()}."})
 
 
 if __name__ == "__main__":
