@@ -62,9 +62,9 @@ def report(data: Path) -> str:
 
 Diffuse-hemispherical values for light from the exterior. WinCalc takes light from the middle of each Klems patch; so
 the same is traced, and what whole patches give, as a Klems file should hold it. Between black slats both are the same.
-Diffuse slats, of which it makes five strips each, pass and return less in WinCalc, 1 % to 8 %; radiosity on 2,000 strips
-gives the traced value (tests/analytic). The walls of a screen's holes reflect light that WinCalc leaves out of the
-transmission.
+Diffuse slats, of which it makes five strips each, pass and return less in WinCalc, by 1 % to 8 %; radiosity on 2,000
+strips gives the traced value (tests/analytic). The walls of a screen's holes reflect light that WinCalc leaves out of
+the transmission.
 
 {table(head, [line for lines in rows for line in lines])}
 """
