@@ -131,7 +131,7 @@ fn change() -> impl Strategy<Value = (f64, usize, Vec<u8>)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(3000))]
+    #![proptest_config(ProptestConfig::with_cases(500))]
 
     #[test]
     fn changed_files_end_in_a_scene_or_in_one_line(changes in prop::collection::vec(change(), 1..4), cut in 0.0..2.0) {
