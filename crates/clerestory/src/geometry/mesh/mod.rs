@@ -61,8 +61,8 @@ struct Copy {
 const ROUNDING: f64 = 1e-13;
 /// Rays start and end this far (relative to the greatest length) outside of the outermost element.
 const MARGIN: f64 = 1e-6;
-/// More copies than these are not made.
-const MOST_COPIES: f64 = 5e7;
+/// Copies that are made at most: so many, and so many for each element.
+const MOST_COPIES: [f64; 2] = [1e4, 4.0];
 /// A ray is lost after so many cells.
 const MOST_CELLS: u32 = 1_000_000;
 
@@ -415,12 +415,13 @@ fn copies(scene: &Scene, extents: &[Extent; 2], cell: [[f64; 2]; 2], sides: [[f6
         ]
     };
     let mut count = 0.0;
+    let most = MOST_COPIES[0] + MOST_COPIES[1] * scene.elements.len() as f64;
     for (number, element) in scene.elements.iter().enumerate() {
         made.first.push(made.all.len() as u32);
         let [low, high] = element.shape.bounds();
         let [x, y] = [range(0, low.x, high.x), range(1, low.y, high.y)];
         count += (x[1] - x[0] + 1.0).max(0.0) * (y[1] - y[0] + 1.0).max(0.0);
-        if !(count <= MOST_COPIES && [x, y].iter().flatten().all(|s| s.abs() < 1e9)) {
+        if !(count <= most && [x, y].iter().flatten().all(|s| s.abs() < 1e9)) {
             return Err(Error::Argument(format!(
                 "{} reaches over too many periods: the scene is {:.3e} m by {:.3e} m, its periods are {:.3e} m by {:.3e} m \
                  (check unit and period)",

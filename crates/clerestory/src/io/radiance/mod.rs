@@ -304,7 +304,9 @@ impl Reader<'_> {
             }
             _ => {
                 if kind == "BSDF" || kind == "aBSDF" {
-                    turn_up_vector(&mut texts[usize::from(kind == "BSDF")..], &context.transform);
+                    // A BSDF's thickness comes before its file.
+                    let texts = texts.get_mut(usize::from(kind == "BSDF")..).unwrap_or_default();
+                    turn_up_vector(texts, &context.transform);
                 }
                 let description = Description {
                     name: name.clone(),
@@ -629,6 +631,12 @@ mod tests {
         let read = with(&[("film.rad", film)], "!xform -rx 90 -s 2 film.rad").unwrap();
         assert_eq!(read.materials[0].words, ["0.1", "film.xml", "0", "-1", "0", "."]);
         assert_eq!(read.materials[0].metres_per_unit, 2.0);
+    }
+
+    #[test]
+    fn a_bsdf_without_texts_is_handed_on() {
+        let read = with(&[], "void BSDF film 0 0 0\nfilm sphere s 0 0 4 0 0 0 1\n").unwrap();
+        assert!(read.materials[0].words.is_empty());
     }
 
     #[test]
