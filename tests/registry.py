@@ -211,23 +211,6 @@ def _cases() -> list[Case]:
             lambda: transmission(Model.specular(np.linspace(0.9, 0.1, len(full)), basis=full)),
             diffuse,
         ),
-        Case(
-            "measured beam beside a table",
-            lambda: transmission(
-                Model.sum(
-                    [
-                        (0.4, table(full, seed=12)),
-                        (
-                            1.0,
-                            Model.specular(
-                                np.linspace(0.5, 0.1, len(full)), basis=full, standard_error=np.full(len(full), 0.01)
-                            ),
-                        ),
-                    ]
-                )
-            ),
-            of(full),
-        ),
         *(
             Case(f"matrix on {name}", lambda name=name: transmission(table(Basis.named(name))), of(name))
             for name in basis_names
@@ -340,6 +323,24 @@ def _cases() -> list[Case]:
             of(small),
         ),
         Case("pane", lambda: pane(1.52, absorption_per_m=20.0, thickness_m=0.004), diffuse),
+        # At the end: batteries take directions by the number of the case.
+        Case(
+            "measured beam beside a table",
+            lambda: transmission(
+                Model.sum(
+                    [
+                        (0.4, table(full, seed=12)),
+                        (
+                            1.0,
+                            Model.specular(
+                                np.linspace(0.5, 0.1, len(full)), basis=full, standard_error=np.full(len(full), 0.01)
+                            ),
+                        ),
+                    ]
+                )
+            ),
+            of(full),
+        ),
     ]
 
 

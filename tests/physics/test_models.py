@@ -37,7 +37,9 @@ def test_every_kind_of_model_is_listed():
     kinds = set(re.findall(r'=> "(.*?)"', body))
     assert len(kinds) >= 8
     listed = {m.kind for case in CASES.values() for models in case.bsdf.models.values() for m in models.values()}
-    assert listed == kinds
+    # A measured beam never stands alone: it is a part of this sum.
+    assert "measured beam beside a table" in CASES
+    assert listed | {"beam"} == kinds
 
 
 @by_case

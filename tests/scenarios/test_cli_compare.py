@@ -58,7 +58,7 @@ def test_json_is_all_that_is_printed(folder, capsys):
     [
         (["{one}", "{two}"], 2, "the report has no name"),
         (["{one}", "-o", "{new}"], 1, "1 data set cannot be compared"),
-        (["{one}", "{two}", "-o", "{one}"], 2, "would overwrite an input"),
+        (["{one}", "{two}", "-o", "{one}"], 2, "the report is an HTML file"),
         (["{one}", "{two}", "-o", "{missing}"], 2, "does not exist (create it first)"),
         (["{one}", "{two}", "-o", "{folder}/x.png"], 2, "the report is an HTML file"),
         (["{one}", "{folder}/no.xml", "-o", "{new}"], 1, "no.xml: no such file"),

@@ -455,7 +455,7 @@ def test_a_close_up_finds_the_peak(fabric):
     assert rings[0].get_xydata() == pytest.approx(np.zeros((1, 2)), abs=1e-9)
     with pytest.raises(ClerestoryError, match="not on the interior"):
         plot.close_up(fabric, 1, centre=direction(0, 0))
-    with pytest.raises(ClerestoryError, match="smaller step"):
+    with pytest.raises(ClerestoryError, match="steps that make 2 to 2000"):
         plot.close_up(fabric, 1, half_width_deg=0)
 
 

@@ -188,7 +188,7 @@ def test_a_height_map_is_a_closed_body(tmp_path):
     recipe.write_text(text.replace(".npy", ".csv").format(""))
     assert load(recipe).shapes[0].periods == pytest.approx((5e-6, 4e-6))
     (tmp_path / "heights.csv").write_text("1;2;nan\n1;2;3")
-    with pytest.raises(RecipeError, match="has holes: 1 values are not finite"):
+    with pytest.raises(RecipeError, match="has holes: 1 value not finite"):
         load(recipe)
 
 
