@@ -139,24 +139,11 @@ impl Scatterer for Specular {
     }
 
     fn peaks(&self, incident: Disk) -> Vec<Peak> {
-        let value = self.value(incident);
-        if value <= 0.0 {
-            return Vec::new();
-        }
-        vec![Peak {
-            outgoing: incident,
-            value,
-            extent: 0.0,
-        }]
+        Peak::straight(incident, self.value(incident))
     }
 
     fn sample(&self, incident: Disk, _: [f64; 2]) -> Option<Sample> {
-        let weight = self.value(incident);
-        (weight > 0.0).then_some(Sample {
-            outgoing: incident,
-            weight,
-            peak: true,
-        })
+        Sample::straight(incident, self.value(incident))
     }
 
     fn pdf(&self, _: Disk, _: Disk) -> f64 {

@@ -197,12 +197,7 @@ impl Beam {
     /// The beam of the mirrored or turned sample, where the cells fall onto each other.
     pub fn turned(&self, turn: Turn) -> Option<Self> {
         let source = self.cells.source(turn)?;
-        let pick = |v: &[f64]| source.iter().map(|&k| v[k]).collect();
-        Some(Self {
-            cells: self.cells.clone(),
-            values: pick(&self.values),
-            standard_errors: self.standard_errors.as_deref().map(pick),
-        })
+        Some(self.picked(&source))
     }
 
     /// The beam of the paths travelled backwards, where the cells fall onto each other.
@@ -210,14 +205,19 @@ impl Beam {
         if let Cells::Patches(basis) = &self.cells {
             // Rings of an even number of patches: more than a turn by whole degrees finds.
             let source: Vec<usize> = (0..basis.len()).map(|p| basis.reversed(p)).collect::<Option<_>>()?;
-            let pick = |v: &[f64]| source.iter().map(|&k| v[k]).collect();
-            return Some(Self {
-                cells: self.cells.clone(),
-                values: pick(&self.values),
-                standard_errors: self.standard_errors.as_deref().map(pick),
-            });
+            return Some(self.picked(&source));
         }
         self.turned(Turn::new(std::f64::consts::PI, false))
+    }
+
+    /// With each cell's value taken from another one.
+    fn picked(&self, source: &[usize]) -> Self {
+        let pick = |v: &[f64]| source.iter().map(|&k| v[k]).collect();
+        Self {
+            cells: self.cells.clone(),
+            values: pick(&self.values),
+            standard_errors: self.standard_errors.as_deref().map(pick),
+        }
     }
 
     /// Weighted sum of beams on the same cells; None where they differ.
@@ -258,24 +258,11 @@ impl Scatterer for Beam {
     }
 
     fn peaks(&self, incident: Disk) -> Vec<Peak> {
-        let value = self.value(incident);
-        if value <= 0.0 {
-            return Vec::new();
-        }
-        vec![Peak {
-            outgoing: incident,
-            value,
-            extent: 0.0,
-        }]
+        Peak::straight(incident, self.value(incident))
     }
 
     fn sample(&self, incident: Disk, _: [f64; 2]) -> Option<Sample> {
-        let weight = self.value(incident);
-        (weight > 0.0).then_some(Sample {
-            outgoing: incident,
-            weight,
-            peak: true,
-        })
+        Sample::straight(incident, self.value(incident))
     }
 
     fn pdf(&self, _: Disk, _: Disk) -> f64 {

@@ -19,6 +19,20 @@ pub struct Peak {
     pub extent: f64,
 }
 
+impl Peak {
+    /// The one ideal peak of a beam that keeps its direction of travel on the disk; none where it carries nothing.
+    pub(super) fn straight(incident: Disk, value: f64) -> Vec<Self> {
+        if value <= 0.0 {
+            return Vec::new();
+        }
+        vec![Self {
+            outgoing: incident,
+            value,
+            extent: 0.0,
+        }]
+    }
+}
+
 /// A sampled outgoing direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
@@ -29,6 +43,17 @@ pub struct Sample {
     pub weight: f64,
     /// Whether it is a peak rather than scattered light.
     pub peak: bool,
+}
+
+impl Sample {
+    /// The only sample of such a beam.
+    pub(super) fn straight(incident: Disk, weight: f64) -> Option<Self> {
+        (weight > 0.0).then_some(Self {
+            outgoing: incident,
+            weight,
+            peak: true,
+        })
+    }
 }
 
 /// Which light to integrate.
