@@ -28,7 +28,8 @@ def pair(request, tmp_path_factory):
     """Both results for a scene, and its name."""
     scene = request.param
     folder = tmp_path_factory.mktemp(scene.name)
-    theirs = genbsdf.generate(scene, folder, samples=THEIRS, processes=2)
+    # One process: with two, one run in many returned a few incident patches that differ from all its other runs.
+    theirs = genbsdf.generate(scene, folder, samples=THEIRS, processes=1)
     ours = trace.measure(genbsdf.recipe(scene, folder), samples=OURS, seed=7)
     return ours, theirs, scene.name
 

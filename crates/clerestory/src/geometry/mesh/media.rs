@@ -1,6 +1,7 @@
 //! Bodies are closed, and their faces agree on where inside is.
 
 use std::collections::HashMap;
+use std::f64::consts::PI;
 
 use super::Extent;
 use super::check::at;
@@ -29,15 +30,49 @@ pub(super) fn check(scene: &Scene, extents: &[Extent; 2], media: &[[u16; 2]]) ->
     let most = media.iter().flatten().copied().max().unwrap_or(0);
     for medium in 1..=most {
         let mut rims = Rims::new(scene, extents);
+        let mut volume = 0.0;
+        let mut first = None;
         for (number, e) in scene.elements.iter().enumerate() {
             let [before, behind] = media[e.surface as usize];
             if before != behind && (before == medium || behind == medium) {
                 rims.add(number, &e.shape, before == medium);
+                volume += volume_below(&e.shape) * if behind == medium { 1.0 } else { -1.0 };
+                first.get_or_insert(number);
             }
         }
         rims.closed(scene, medium)?;
+        if let (true, Some(first)) = (volume < 0.0, first) {
+            return Err(Error::Argument(format!(
+                "the border of medium {medium} is inside out: its faces, {} first, have their fronts inside, so that it holds \
+                 {volume:.3e} m³ (reverse the order of the corners of every face)",
+                scene.name(first)
+            )));
+        }
     }
     Ok(())
+}
+
+/// Volume [m³] between a surface's front and the plane z = 0, below the surface where its front looks up and negative
+/// where it looks down: over a closed border the volume that it encloses (divergence theorem), over a period as well.
+fn volume_below(shape: &Shape) -> f64 {
+    let disc = |centre: Vec3, normal: Vec3, radius: f64| centre.z * normal.z * PI * radius * radius;
+    match *shape {
+        Shape::Triangle([a, b, c]) => (b - a).cross(c - a).z / 2.0 * (a.z + b.z + c.z) / 3.0,
+        Shape::Sphere { radius, inward, .. } => {
+            let whole = 4.0 / 3.0 * PI * radius * radius * radius;
+            if inward { -whole } else { whole }
+        }
+        Shape::Ring { centre, normal, radii } => disc(centre, normal, radii[1]) - disc(centre, normal, radii[0]),
+        Shape::Cone { ends, radii, inward } => {
+            let along = ends[1] - ends[0];
+            let axis = along.unit();
+            let [r, s] = radii;
+            let whole = PI / 3.0 * along.length() * (r * r + r * s + s * s);
+            // What a frustum's two discs do not give, its side does.
+            let side = whole + disc(ends[0], axis, r) - disc(ends[1], axis, s);
+            if inward { -side } else { side }
+        }
+    }
 }
 
 /// Numbers points; those that agree but for rounding, or but for whole periods, get the same number.
@@ -338,6 +373,52 @@ mod tests {
         assert!(text.contains("with their fronts on different sides"), "{text}");
         // The prisms without their period are open at both ends.
         assert!(told(prisms(1.0), [free(), free()]).is_some());
+    }
+
+    #[test]
+    fn bodies_that_are_inside_out_are_told() {
+        for (scene, extents) in [
+            (cube(0.3), [free(), free()]),
+            (prisms(1e-4), [repeated(2e-4), repeated(1e-4)]),
+        ] {
+            let mut turned = scene;
+            for e in &mut turned.elements {
+                if let Shape::Triangle(corners) = &mut e.shape {
+                    corners.swap(0, 1);
+                }
+            }
+            let text = told(turned, extents).expect("inside out");
+            assert!(text.starts_with("the border of medium 1 is inside out"), "{text}");
+        }
+    }
+
+    #[test]
+    fn volumes_of_closed_bodies_are_those_of_geometry() {
+        let v = Vec3::new;
+        let sum = |shapes: &[Shape]| shapes.iter().map(super::volume_below).sum::<f64>();
+        let cube: Vec<Shape> = cube(0.3).elements.iter().map(|e| e.shape).collect();
+        assert!((sum(&cube) - 0.027).abs() < 1e-12);
+        let axis = v(0.6, 0.0, 0.8);
+        let (low, high) = (v(0.1, 0.2, 0.3), v(0.1, 0.2, 0.3) + axis);
+        let pin = [
+            Shape::Cone {
+                ends: [low, high],
+                radii: [0.5, 0.25],
+                inward: false,
+            },
+            Shape::Ring {
+                centre: low,
+                normal: -axis,
+                radii: [0.0, 0.5],
+            },
+            Shape::Ring {
+                centre: high,
+                normal: axis,
+                radii: [0.0, 0.25],
+            },
+        ];
+        let exact = std::f64::consts::PI / 3.0 * (0.25 + 0.125 + 0.0625);
+        assert!((sum(&pin) - exact).abs() < 1e-12);
     }
 
     #[test]

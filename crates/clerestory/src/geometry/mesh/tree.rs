@@ -80,13 +80,22 @@ impl Tree {
         // What is near to what, and what costs time, is told by true lengths.
         let even = SIZE / longest;
         let even = Vec3::new(even, even, even);
-        let aabbs: Vec<Aabb> = boxes
+        let mut aabbs: Vec<Aabb> = boxes
             .iter()
             .map(|[low, high]| Aabb {
                 min: framed(*low, even, 0.0).into(),
                 max: framed(*high, even, 0.0).into(),
             })
             .collect();
+        // The builder orders by place within the bounds of all, each axis for itself. Two corners of a cube, which hold
+        // nothing, keep the axes alike: in a flat scene depth would else count as much as width.
+        for corner in [-0.5, 0.5] {
+            let corner = [(corner * SIZE) as f32; 3];
+            aabbs.push(Aabb {
+                min: corner.into(),
+                max: corner.into(),
+            });
+        }
         let boxes: Vec<Bounds> = boxes
             .iter()
             .map(|[low, high]| [framed(*low, scale, -WIDER), framed(*high, scale, WIDER)])
@@ -105,7 +114,9 @@ impl Tree {
         let (distance, from_level) = (PlocSearchDistance::High, 0);
         let builder = &mut PlocBuilder::with_capacity(aabbs.len());
         let mut binary = builder.build(distance, &aabbs, indices, SortPrecision::U64, from_level);
-        ReinsertionOptimizer::default().run(&mut binary, 0.25, None);
+        // Moving parts about for a better order takes longer than it saves where there are very many.
+        let moved = if aabbs.len() < 1 << 18 { 0.25 } else { 0.02 };
+        ReinsertionOptimizer::default().run(&mut binary, moved, None);
         tree.widen(&binary, &boxes, copies);
         tree
     }
@@ -159,8 +170,10 @@ impl Tree {
             has_curved: false,
         };
         for (k, copy) in primitives(binary, top).into_iter().enumerate() {
+            let Some(&shape) = copies.get(copy as usize) else {
+                continue;
+            };
             packet.copies[k] = copy;
-            let shape = copies[copy as usize];
             if let Shape::Triangle(corners) = shape {
                 for (c, corner) in corners.into_iter().enumerate() {
                     for (axis, x) in corner.array().into_iter().enumerate() {
@@ -320,7 +333,7 @@ fn measures(binary: &Bvh2, boxes: &[Bounds]) -> Vec<(u32, Bounds)> {
         let first = node.first_index as usize;
         if node.is_leaf() {
             let held = &binary.primitive_indices[first..first + node.prim_count as usize];
-            let bounds = held.iter().map(|&k| boxes[k as usize]).fold(nothing, joined);
+            let bounds = held.iter().filter_map(|&k| boxes.get(k as usize).copied()).fold(nothing, joined);
             measures[number] = (node.prim_count, bounds);
         } else if ready {
             let (a, b) = (measures[first], measures[first + 1]);
