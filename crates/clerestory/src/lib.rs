@@ -5,6 +5,7 @@
 //! * To evaluate, sample, integrate or convert a scattering model: [`bsdf`].
 //! * To build a window of layers: [`system`].
 //! * To measure a sample that is given by its geometry: [`trace`], of [`geometry`] and [`material`].
+//! * To light a scene by sky and sun: [`sky`].
 //! * To read and write the field's files: [`io`].
 //!
 //! Nothing here knows of Python or of a console.
@@ -19,6 +20,7 @@ pub mod io;
 pub mod material;
 pub mod progress;
 pub mod sequence;
+pub mod sky;
 pub mod system;
 pub mod trace;
 
