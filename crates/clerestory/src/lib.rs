@@ -6,6 +6,8 @@
 //! * To build a window of layers: [`system`].
 //! * To measure a sample that is given by its geometry: [`trace`], of [`geometry`] and [`material`].
 //! * To say what an eye sees: [`picture`].
+//! * To light a scene by sky and sun: [`sky`].
+//! * To look into a room: [`room`].
 //! * To read and write the field's files: [`io`].
 //!
 //! Nothing here knows of Python or of a console.
@@ -20,7 +22,9 @@ pub mod io;
 pub mod material;
 pub mod picture;
 pub mod progress;
+pub mod room;
 pub mod sequence;
+pub mod sky;
 pub mod system;
 pub mod trace;
 
