@@ -8,9 +8,11 @@ mod bsdf;
 mod compare;
 mod convert;
 mod errors;
+mod glare;
 mod jobs;
 mod model;
 mod npz;
+mod picture;
 mod system;
 mod trace;
 mod trace_material;
@@ -33,7 +35,11 @@ mod _core {
     #[pymodule_export]
     use crate::compare::distances;
     #[pymodule_export]
+    use crate::glare::{PyLens, glare_preset, rate_glare};
+    #[pymodule_export]
     use crate::model::PyModel;
+    #[pymodule_export]
+    use crate::picture::{PyPicture, PyView};
     #[pymodule_export]
     use crate::system::PySystem;
     #[pymodule_export]

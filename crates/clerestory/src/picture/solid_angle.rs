@@ -103,15 +103,24 @@ fn hemispherical([x0, x1]: [f64; 2], [y0, y1]: [f64; 2]) -> f64 {
 }
 
 /// Solid angle of a spherical quadrangle between directions of length 1, in order around it: that of its two triangles, each
-/// by van Oosterom and Strackee (1983, IEEE Trans. Biomed. Eng. 30(2)).
+/// by van Oosterom and Strackee (1983, IEEE Trans. Biomed. Eng. 30(2)). The tangents of their halves add as the angles of
+/// complex numbers do.
 fn quadrangle([a, b, c, d]: [&[f64; 3]; 4]) -> f64 {
-    triangle(a, b, c) + triangle(a, c, d)
+    let ([x, y], [u, v]) = (triangle(a, b, c), triangle(a, c, d));
+    let (real, imaginary) = (x * u - y * v, x * v + y * u);
+    let t = imaginary / real;
+    if real > 0.0 && t < 0.02 {
+        let t2 = t * t;
+        return 2.0 * t * (1.0 - t2 * (1.0 / 3.0 - t2 * (1.0 / 5.0 - t2 * (1.0 / 7.0))));
+    }
+    2.0 * imaginary.atan2(real)
 }
 
-fn triangle(a: &[f64; 3], b: &[f64; 3], c: &[f64; 3]) -> f64 {
+/// Cosine and sine, times a common factor, of half the solid angle of a spherical triangle.
+fn triangle(a: &[f64; 3], b: &[f64; 3], c: &[f64; 3]) -> [f64; 2] {
     let volume =
         a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
-    2.0 * volume.abs().atan2(1.0 + dot(a, b) + dot(b, c) + dot(c, a))
+    [1.0 + dot(a, b) + dot(b, c) + dot(c, a), volume.abs()]
 }
 
 fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
