@@ -11,6 +11,7 @@ mod errors;
 mod jobs;
 mod model;
 mod npz;
+mod sky;
 mod system;
 mod trace;
 mod trace_material;
@@ -34,6 +35,8 @@ mod _core {
     use crate::compare::distances;
     #[pymodule_export]
     use crate::model::PyModel;
+    #[pymodule_export]
+    use crate::sky::{PySky, PySkyPatches, cie_names, gensky_factor, sun_by_radiance};
     #[pymodule_export]
     use crate::system::PySystem;
     #[pymodule_export]
