@@ -12,7 +12,9 @@ mod glare;
 mod jobs;
 mod model;
 mod npz;
+mod room;
 mod picture;
+mod sky;
 mod system;
 mod trace;
 mod trace_material;
@@ -40,6 +42,9 @@ mod _core {
     use crate::model::PyModel;
     #[pymodule_export]
     use crate::picture::{PyPicture, PyView};
+    use crate::sky::{PySky, PySkyPatches, cie_names, gensky_factor, sun_by_radiance};
+    #[pymodule_export]
+    use crate::room::{PyRoom, PyRoomPicture, PyRoomShapes};
     #[pymodule_export]
     use crate::system::PySystem;
     #[pymodule_export]

@@ -329,7 +329,12 @@ impl Sky {
         match traditional {
             Some((kind, _)) if genskys => {
                 let by_sky = scale * at_zenith * ambient(kind);
-                let by_sun = sun.map_or(0.0, |s| 6e-5 / PI * s.radiance[0] * about.altitude().sin());
+                // Its ground is lit by the sun of a clear sky also where the disc is left out (option -s).
+                let radiance = match level {
+                    Level::Supply(_) => sun.map_or(0.0, |s| s.radiance[0]),
+                    Level::Zenith(_) | Level::Turbidity(_) => kind.sun_radiance(about.altitude()),
+                };
+                let by_sun = 6e-5 / PI * radiance * about.altitude().sin().max(0.0);
                 sky.ground = [settings.ground_reflectance * (by_sky + by_sun); 3];
             }
             _ => sky.light_ground([scale * share; 3], direct, about),
