@@ -12,8 +12,8 @@ mod glare;
 mod jobs;
 mod model;
 mod npz;
-mod room;
 mod picture;
+mod room;
 mod sky;
 mod system;
 mod trace;
@@ -42,9 +42,10 @@ mod _core {
     use crate::model::PyModel;
     #[pymodule_export]
     use crate::picture::{PyPicture, PyView};
-    use crate::sky::{PySky, PySkyPatches, cie_names, gensky_factor, sun_by_radiance};
     #[pymodule_export]
     use crate::room::{PyRoom, PyRoomPicture, PyRoomShapes};
+    #[pymodule_export]
+    use crate::sky::{PySky, PySkyPatches, cie_names, gensky_factor, sun_by_radiance};
     #[pymodule_export]
     use crate::system::PySystem;
     #[pymodule_export]

@@ -20,13 +20,7 @@ use crate::trace_material::{MaterialSpec, MediumSpec};
 type SurfaceSpec = ([u32; 2], [u16; 2]);
 
 /// Name, corners, data set, band of each channel, upward direction of the sample.
-type WindowSpec<'py> = (
-    String,
-    Vec<[f64; 3]>,
-    Bound<'py, PyBsdf>,
-    [Option<String>; 3],
-    [f64; 3],
-);
+type WindowSpec<'py> = (String, Vec<[f64; 3]>, Bound<'py, PyBsdf>, [Option<String>; 3], [f64; 3]);
 
 /// Name, corners, radiance.
 type LightSpec = (String, Vec<[f64; 3]>, [f64; 3]);
@@ -96,7 +90,12 @@ impl PyRoomShapes {
                 radii: [numbers[6], numbers[7]],
                 inward,
             },
-            _ => return Err(ClerestoryError::new_err(format!("no round shape {kind} has {} numbers", numbers.len()))),
+            _ => {
+                return Err(ClerestoryError::new_err(format!(
+                    "no round shape {kind} has {} numbers",
+                    numbers.len()
+                )));
+            }
         };
         let object = self.0.object(object);
         self.0.push(shape, surface, object);
@@ -154,7 +153,10 @@ impl PyRoom {
                 .into_iter()
                 .map(MaterialSpec::into_material)
                 .collect::<PyResult<_>>()?,
-            media: media.into_iter().map(MediumSpec::into_medium).collect::<PyResult<_>>()?,
+            media: media
+                .into_iter()
+                .map(MediumSpec::into_medium)
+                .collect::<PyResult<_>>()?,
             windows,
             lights: lights
                 .into_iter()
@@ -243,7 +245,10 @@ impl PyRoomPicture {
 
     /// Paths of every pixel so far.
     fn samples(&self) -> u32 {
-        self.found.lock().unwrap_or_else(std::sync::PoisonError::into_inner).samples
+        self.found
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner)
+            .samples
     }
 
     /// Sums over paths of the radiance (pixels, 3) and of the squares of the mean of the channels (pixels).
@@ -254,7 +259,12 @@ impl PyRoomPicture {
     }
 
     /// Takes up what was found before.
-    fn resume(&self, sums: PyReadonlyArray2<'_, f64>, squares: PyReadonlyArray1<'_, f64>, samples: u32) -> PyResult<()> {
+    fn resume(
+        &self,
+        sums: PyReadonlyArray2<'_, f64>,
+        squares: PyReadonlyArray1<'_, f64>,
+        samples: u32,
+    ) -> PyResult<()> {
         let pixels = self.picture.size[0] * self.picture.size[1];
         if sums.shape() != [pixels, 3] || squares.len() != pixels {
             return Err(ClerestoryError::new_err("what was found before is of another size"));

@@ -22,14 +22,20 @@ impl Emitters {
         let flux: Vec<f64> = windows
             .iter()
             .map(|w| w.polygon().area() * w.distribution().flux())
-            .chain(lights.iter().map(|(polygon, radiance)| {
-                polygon.area() * std::f64::consts::PI * radiance.iter().sum::<f64>()
-            }))
+            .chain(
+                lights
+                    .iter()
+                    .map(|(polygon, radiance)| polygon.area() * std::f64::consts::PI * radiance.iter().sum::<f64>()),
+            )
             .collect();
         let (sum, n) = (flux.iter().sum::<f64>(), flux.len() as f64);
         let mut total = 0.0;
         let chances = flux.iter().map(|f| {
-            total += if sum > 0.0 { (1.0 - LEAST) * f / sum + LEAST / n } else { 1.0 / n };
+            total += if sum > 0.0 {
+                (1.0 - LEAST) * f / sum + LEAST / n
+            } else {
+                1.0 / n
+            };
             total
         });
         Self {
@@ -54,7 +60,10 @@ impl Emitters {
         choice: f64,
         u: [f64; 2],
     ) -> Option<(usize, Vec3)> {
-        let emitter = self.chances.partition_point(|c| *c <= choice).min(self.chances.len() - 1);
+        let emitter = self
+            .chances
+            .partition_point(|c| *c <= choice)
+            .min(self.chances.len() - 1);
         let below = if emitter == 0 { 0.0 } else { self.chances[emitter - 1] };
         let rest = ((choice - below) / self.chance(emitter)).clamp(0.0, 1.0);
         let to_point = |polygon: &Polygon| {

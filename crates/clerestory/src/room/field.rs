@@ -189,7 +189,9 @@ fn drawn(backwards: &Model, incident: &Incident) -> Vec<Rgb> {
             let from = centre(cell, OUTGOING).reversed();
             let mut sum = [0.0; 3];
             for k in 0..DRAWN {
-                let Some(sample) = backwards.sample(from, r2(k, [0.0; 2])) else { continue };
+                let Some(sample) = backwards.sample(from, r2(k, [0.0; 2])) else {
+                    continue;
+                };
                 if sample.peak {
                     continue;
                 }

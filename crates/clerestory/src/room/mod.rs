@@ -207,7 +207,9 @@ fn check(scene: &Scene, surfaces: &[Surface], materials: &[Material], media: &[M
         let known = surface.materials.iter().all(|&m| (m as usize) < materials.len())
             && surface.media.iter().all(|&m| usize::from(m) < media.len());
         if !known {
-            return wrong(format!("surface {name:?} has a material or medium that is not in the list"));
+            return wrong(format!(
+                "surface {name:?} has a material or medium that is not in the list"
+            ));
         }
     }
     let three = |bands: usize| bands == 3;

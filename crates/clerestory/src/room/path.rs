@@ -326,7 +326,16 @@ impl<'a> Tracer<'a> {
             let u = [state.draws.next(), state.draws.next()];
             let solid_angle = sun.solid_angle();
             let factor = sun.radiance.map(|l| l * solid_angle);
-            self.claim(material, arrival, ray, state, both_sides, sun.sample(u), Target::Sun, factor);
+            self.claim(
+                material,
+                arrival,
+                ray,
+                state,
+                both_sides,
+                sun.sample(u),
+                Target::Sun,
+                factor,
+            );
         }
     }
 
@@ -389,7 +398,9 @@ impl<'a> Tracer<'a> {
             }
         };
         // Only a window's beam lets it pass; who looks through a pane finds the sun behind it by going on.
-        let Role::Window(number) = self.room.roles[hit.surface as usize] else { return };
+        let Role::Window(number) = self.room.roles[hit.surface as usize] else {
+            return;
+        };
         let window = &self.room.windows[number as usize];
         if ray.direction.dot(hit.normal) > 0.0 {
             return;
@@ -476,13 +487,7 @@ impl<'a> Tracer<'a> {
 
 /// Where a path goes on, and whether to the other side; None where it ends. `asked` says that windows and the sun were asked
 /// for light here.
-fn scatter(
-    material: &Material,
-    arrival: &Arrival<'_>,
-    ray: &mut Ray,
-    state: &mut State,
-    asked: bool,
-) -> Option<bool> {
+fn scatter(material: &Material, arrival: &Arrival<'_>, ray: &mut Ray, state: &mut State, asked: bool) -> Option<bool> {
     let before = state.weight;
     let mut absorbed = [0.0; 3];
     let departure = material.scatter(

@@ -97,7 +97,9 @@ impl Picture {
         let [width, height] = self.size;
         let mut seen = vec![[0.0; 3]; width * height];
         let Some(sun) = &room.sun else { return seen };
-        let Some([origin, _]) = self.camera.ray(0.5, 0.5) else { return seen };
+        let Some([origin, _]) = self.camera.ray(0.5, 0.5) else {
+            return seen;
+        };
         if self.camera.locate(sun.direction).is_none() {
             return seen;
         }
@@ -105,7 +107,9 @@ impl Picture {
         let share = sun.solid_angle() / f64::from(SUN_POINTS);
         for k in 0..SUN_POINTS {
             let direction = sun.sample(r2(k, [0.5; 2]));
-            let Some([x, y]) = self.camera.locate(direction) else { continue };
+            let Some([x, y]) = self.camera.locate(direction) else {
+                continue;
+            };
             let (column, row) = (x * width as f64, (1.0 - y) * height as f64);
             if !(0.0..width as f64).contains(&column) || !(0.0..height as f64).contains(&row) {
                 continue;

@@ -83,7 +83,10 @@ impl Polygon {
     /// A point, uniform in area.
     pub fn sample(&self, u: [f64; 2]) -> Vec3 {
         let wanted = u[0] * self.area();
-        let k = self.areas.partition_point(|a| *a <= wanted).min(self.triangles.len() - 1);
+        let k = self
+            .areas
+            .partition_point(|a| *a <= wanted)
+            .min(self.triangles.len() - 1);
         let below = if k == 0 { 0.0 } else { self.areas[k - 1] };
         // The rest of the first number is spread evenly again.
         let r = ((wanted - below) / (self.areas[k] - below)).clamp(0.0, 1.0).sqrt();
@@ -106,9 +109,8 @@ impl Polygon {
 fn crosses(corners: &[Vec3], normal: Vec3) -> bool {
     let n = corners.len();
     let turn = |a: Vec3, b: Vec3, c: Vec3| (b - a).cross(c - a).dot(normal);
-    let cross = |a: Vec3, b: Vec3, c: Vec3, d: Vec3| {
-        turn(a, b, c) * turn(a, b, d) < 0.0 && turn(c, d, a) * turn(c, d, b) < 0.0
-    };
+    let cross =
+        |a: Vec3, b: Vec3, c: Vec3, d: Vec3| turn(a, b, c) * turn(a, b, d) < 0.0 && turn(c, d, a) * turn(c, d, b) < 0.0;
     (0..n).any(|i| (i + 2..n).any(|j| cross(corners[i], corners[i + 1], corners[j], corners[(j + 1) % n])))
 }
 

@@ -37,7 +37,13 @@ const LIFT: f64 = 1e-6;
 
 impl Room {
     /// Irradiance at sensors by `samples` paths each, a multiple of the 16 replications; the same for any number of threads.
-    pub fn irradiance(&self, sensors: &[Sensor], samples: u32, seed: u64, progress: &Progress) -> Result<Vec<Estimate>> {
+    pub fn irradiance(
+        &self,
+        sensors: &[Sensor],
+        samples: u32,
+        seed: u64,
+        progress: &Progress,
+    ) -> Result<Vec<Estimate>> {
         if samples == 0 || !samples.is_multiple_of(REPLICATIONS) || samples / REPLICATIONS >= 1 << 24 {
             return Err(Error::Argument(format!(
                 "{samples} paths a sensor (give a multiple of {REPLICATIONS} from {REPLICATIONS} to {})",
@@ -45,7 +51,12 @@ impl Room {
             )));
         }
         for (k, sensor) in sensors.iter().enumerate() {
-            let finite = sensor.point.array().into_iter().chain(sensor.normal.array()).all(f64::is_finite);
+            let finite = sensor
+                .point
+                .array()
+                .into_iter()
+                .chain(sensor.normal.array())
+                .all(f64::is_finite);
             if !finite || sensor.normal.length() == 0.0 {
                 return Err(Error::Argument(format!(
                     "sensor {} has no place or no direction (give finite numbers and a normal that is not zero)",

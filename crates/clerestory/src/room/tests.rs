@@ -109,7 +109,9 @@ fn room(scene: Scene, reflectances: &[f64], windows: Vec<(String, Vec<Vec3>, Sys
 
 fn at(room: &Room, point: Vec3, normal: Vec3, samples: u32) -> (Rgb, Rgb) {
     let sensors = [Sensor { point, normal }];
-    let found = room.irradiance(&sensors, samples, 5, &Progress::default()).expect("irradiance");
+    let found = room
+        .irradiance(&sensors, samples, 5, &Progress::default())
+        .expect("irradiance");
     (found[0].value, found[0].standard_error)
 }
 
@@ -117,7 +119,10 @@ fn agrees(found: (Rgb, Rgb), expected: f64, most: f64) {
     for c in 0..3 {
         let (value, error) = (found.0[c], found.1[c]);
         assert!(error <= most * expected, "error {error} of {expected}");
-        assert!((value - expected).abs() <= 4.0 * error + 1e-9, "{value} ± {error}, not {expected}");
+        assert!(
+            (value - expected).abs() <= 4.0 * error + 1e-9,
+            "{value} ± {error}, not {expected}"
+        );
     }
 }
 
@@ -132,7 +137,10 @@ fn corner_factor(a: f64, b: f64, distance: f64) -> f64 {
 fn a_white_room_in_an_even_world_is_as_bright_as_it() {
     let room = cube(1.0, open(), uniform());
     assert!(!room.windows()[0].obstructed());
-    for (point, normal) in [(v(0.3, 0.9, -0.2), v(0.0, 0.0, 1.0)), (v(0.0, 0.0, -1.0), v(0.3, -0.2, 1.0))] {
+    for (point, normal) in [
+        (v(0.3, 0.9, -0.2), v(0.0, 0.0, 1.0)),
+        (v(0.0, 0.0, -1.0), v(0.3, -0.2, 1.0)),
+    ] {
         agrees(at(&room, point, normal, 65_536), PI * L, 3e-3);
     }
 }
@@ -186,10 +194,15 @@ fn a_room_of_one_reflectance_has_the_light_of_an_integrating_sphere() {
             }
         }
     }
-    let found = room.irradiance(&sensors, 1024, 3, &Progress::default()).expect("irradiance");
+    let found = room
+        .irradiance(&sensors, 1024, 3, &Progress::default())
+        .expect("irradiance");
     let area = 4.0 / (n * n) as f64;
     let flux = |of: fn(usize) -> bool| -> f64 {
-        (0..found.len()).filter(|k| of(k % 6)).map(|k| found[k].value[0] * area).sum()
+        (0..found.len())
+            .filter(|k| of(k % 6))
+            .map(|k| found[k].value[0] * area)
+            .sum()
     };
     let (walls, lost) = (flux(|k| k < 5), flux(|k| k == 5));
     let entering = tau * PI * L * 4.0;
@@ -207,11 +220,21 @@ fn what_stands_before_a_window_takes_its_light() {
     // A vertical wall before the window's lower half plane: all directions below the horizontal from the window's middle.
     quad(
         &mut scene,
-        [v(-far, -3.0, -far), v(far, -3.0, -far), v(far, -3.0, 0.0), v(-far, -3.0, 0.0)],
+        [
+            v(-far, -3.0, -far),
+            v(far, -3.0, -far),
+            v(far, -3.0, 0.0),
+            v(-far, -3.0, 0.0),
+        ],
         black,
     );
     let small = 1e-3;
-    let corners = vec![v(-small, 0.0, -small), v(-small, 0.0, small), v(small, 0.0, small), v(small, 0.0, -small)];
+    let corners = vec![
+        v(-small, 0.0, -small),
+        v(-small, 0.0, small),
+        v(small, 0.0, small),
+        v(small, 0.0, -small),
+    ];
     let windows = vec![("w".into(), corners, diffuse(0.5))];
     let room = room(scene, &[0.0], windows, uniform());
     assert!(room.windows()[0].obstructed());
@@ -225,7 +248,10 @@ fn what_stands_before_a_window_takes_its_light() {
 fn threads_do_not_change_a_bit() {
     let room = cube(0.6, diffuse(0.5), clear(30.0, 200.0));
     let run = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .expect("threads");
         pool.install(|| at(&room, v(0.2, 0.1, -0.5), v(0.0, 0.0, 1.0), 1024))
     };
     assert_eq!(run(1), run(2));
