@@ -59,24 +59,28 @@ def check_picture(picture: Picture, found: Evaluation, *, title: str | None = No
     height, width = picture.shape
     tall = 6.0 * min(max(height / width, 0.3), 2.0)
     rows = min(len(found.sources), LISTED)
-    figure = new_figure(6.4, tall + 1.3 + 0.2 * max(rows, 1), constrained=False)
+    figure = new_figure(6.4, tall + 1.75 + 0.17 * rows, constrained=False)
     whole = float(figure.get_figheight())
     ax = figure.add_axes((0.03, 1.0 - (tall + 0.35) / whole, 0.94, tall / whole))
     ax.imshow(shown, interpolation="nearest")
     ax.axis("off")
     ax.set_title(title or "Glare sources")
-    for number, _ in enumerate(found.sources[:LISTED], 1):
-        at = np.argwhere(labels == number).mean(axis=0)
-        ax.text(
-            at[1],
-            at[0],
+    for number, source in enumerate(found.sources[:LISTED], 1):
+        row, column = np.argwhere(labels == number).mean(axis=0)
+        # A number on a small source would hide it.
+        small = source.pixels < height * width / 500
+        ax.annotate(
             str(number),
+            (column, row),
+            (16.0, 16.0) if small else (0.0, 0.0),
+            textcoords="offset points",
             ha="center",
             va="center",
             fontsize=9,
             fontweight="bold",
             color="black",
             bbox={"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.75},
+            arrowprops={"arrowstyle": "-", "color": "white", "linewidth": 0.8} if small else None,
         )
     lines = [
         f"DGP {found.dgp:.3f} ({found.dgp_class})   DGI {found.dgi:.1f} ({found.dgi_class})   UGR {found.ugr:.1f}   "
