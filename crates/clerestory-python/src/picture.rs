@@ -156,9 +156,9 @@ impl PyPicture {
     }
 
     /// The bytes of a file: `rgbe`, `xyze` or `exr`.
-    fn to_bytes<'py>(&self, py: Python<'py>, format: &str) -> PyResult<Bound<'py, PyBytes>> {
+    fn to_bytes<'py>(&self, py: Python<'py>, kind: &str) -> PyResult<Bound<'py, PyBytes>> {
         let bytes = py
-            .detach(|| match format {
+            .detach(|| match kind {
                 "xyze" => hdr::write_xyze(&self.0),
                 "exr" => openexr::write(&self.0),
                 _ => Ok(hdr::write(&self.0)),

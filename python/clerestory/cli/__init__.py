@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 _COMMANDS = ("info", "check", "query", "convert", "plot", "trace", "sky", "compare")
+_COMMANDS = ("info", "check", "query", "convert", "plot", "trace", "glare", "compare")
 
 app = typer.Typer(
     name="clerestory",
