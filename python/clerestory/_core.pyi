@@ -269,3 +269,6 @@ class TraceState:
 def distances(
     models: list[Model], own: int, incident: _Floats, progress: Callable[[float], object] | None = None
 ) -> tuple[_Floats, _Floats]: ...
+def read_room_scene(
+    paths: list[str | os.PathLike[str]], metres_per_unit: float, search: list[str | os.PathLike[str]]
+) -> dict[str, Any]: ...

@@ -11,6 +11,7 @@ mod errors;
 mod jobs;
 mod model;
 mod npz;
+mod room_scene;
 mod system;
 mod trace;
 mod trace_material;
@@ -34,6 +35,8 @@ mod _core {
     use crate::compare::distances;
     #[pymodule_export]
     use crate::model::PyModel;
+    #[pymodule_export]
+    use crate::room_scene::read_room_scene;
     #[pymodule_export]
     use crate::system::PySystem;
     #[pymodule_export]
