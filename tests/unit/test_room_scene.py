@@ -80,6 +80,25 @@ def test_sample_scenes_are_as_radiance_has_them(name: str, sample_data: Path, re
     assert scene.elements.max() < len(scene.objects)
 
 
+def test_every_type_of_surface_is_where_radiance_has_it(tmp_path: Path, require_pyradiance) -> None:
+    (tmp_path / "part.rad").write_text(
+        "grey sphere s 0 0 4 1 2 3 .5\ngrey bubble b 0 0 4 -1 2 3 .25\ngrey ring r 0 0 8 0 1 0 1 2 3 .2 .7\n"
+        "grey cylinder c 0 0 7 0 0 0 1 1 2 .3\ngrey tube t 0 0 7 0 0 0 1 -1 2 .3\ngrey cone k 0 0 8 3 0 0 1 1 2 .3 .1\n"
+        "grey cup u 0 0 8 3 0 0 1 1 2 .3 0\n!genbox grey box 1 2 3 | xform -rz 20 -t 4 4 4\n"
+        "!genprism grey p 3 0 0 1 0 0 1 -l 0 .2 2\n!genblinds grey bl .08 1 2 3 30 +r .1\n"
+    )
+    (tmp_path / "room.rad").write_text(
+        "void plastic grey 0 0 5 .5 .5 .5 0 0\n!xform -n x -rx 30 -mx -a 3 -t 5 0 1 -i 1 -s 2 part.rad\n"
+    )
+    scene = RoomScene.read(tmp_path / "room.rad")
+    expected = objects(program(require_pyradiance, tmp_path, "xform", "room.rad"))
+    assert list(scene.objects) == [name for _, name in expected]
+    box = [float(w) for w in program(require_pyradiance, tmp_path, "getbbox", "-h", "room.rad").split()]
+    bounds = scene.bounds()
+    assert bounds is not None
+    np.testing.assert_allclose(np.transpose(bounds).ravel(), box, rtol=1e-5)
+
+
 def test_all_samples_are_read(sample_data: Path) -> None:
     folder = sample_data / "scenes"
     known = {f for files in SCENES.values() for f in files} | set(INCOMPLETE)

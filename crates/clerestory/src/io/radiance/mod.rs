@@ -22,7 +22,7 @@ mod tests;
 mod words;
 mod xform;
 
-pub use room::read_room;
+pub use room::{parse_room, read_room};
 pub use sky::{CieSky, Gendaylit, Gensky, Site, Sky, SkyModel, Supply, When};
 pub use xform::{Transform, Xform};
 

@@ -37,6 +37,20 @@ pub fn read_room(paths: &[PathBuf], metres_per_unit: f64, search: &[PathBuf]) ->
     finish(reader, &find)
 }
 
+/// Reads a scene from its text, by a name for messages; the files that it names are loaded by `open`, and those of data sets found
+/// by `find`.
+pub fn parse_room(
+    text: &[u8],
+    name: &str,
+    metres_per_unit: f64,
+    open: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
+    find: &dyn Fn(&str) -> Option<PathBuf>,
+) -> Result<RoomScene> {
+    let mut reader = Reader::new(Purpose::Room, open);
+    reader.read(text, name, metres_per_unit)?;
+    finish(reader, &|file, _| find(file))
+}
+
 fn find(name: &str, beside: &Path, search: &[PathBuf]) -> Option<PathBuf> {
     let folder = beside.parent().map(Path::to_path_buf).unwrap_or_default();
     let folders = std::iter::once(&folder).chain(search);
@@ -275,9 +289,7 @@ mod tests {
             "lamp.rad" => Ok(LAMP.as_bytes().to_vec()),
             _ => Err(Error::Io(format!("{name}: not found"))),
         };
-        let mut reader = Reader::new(Purpose::Room, &mut open);
-        reader.read(text.as_bytes(), "a.rad", 0.5)?;
-        finish(reader, &|name, _| {
+        parse_room(text.as_bytes(), "a.rad", 0.5, &mut open, &|name| {
             (name == "film.xml").then(|| PathBuf::from("data/film.xml"))
         })
     }
