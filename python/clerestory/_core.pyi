@@ -375,3 +375,6 @@ def rate_glare(
     mean_background: float,
     settings: Settings,
 ) -> tuple[_Floats, _IndexValues]: ...
+def read_room_scene(
+    paths: list[str | os.PathLike[str]], metres_per_unit: float, search: list[str | os.PathLike[str]]
+) -> dict[str, Any]: ...

@@ -15,6 +15,7 @@ mod npz;
 mod picture;
 mod room;
 mod sky;
+mod room_scene;
 mod system;
 mod trace;
 mod trace_material;
@@ -46,6 +47,7 @@ mod _core {
     use crate::room::{PyRoom, PyRoomPicture, PyRoomShapes};
     #[pymodule_export]
     use crate::sky::{PySky, PySkyPatches, cie_names, gensky_factor, sun_by_radiance};
+    use crate::room_scene::read_room_scene;
     #[pymodule_export]
     use crate::system::PySystem;
     #[pymodule_export]

@@ -25,6 +25,11 @@ type MaterialRow = (String, String, Vec<String>, Vec<f64>, f64, String);
 type RoundRow = (&'static str, u32, Vec<f64>);
 
 impl PyScene {
+    /// With the materials of its surfaces, as far as the file has them.
+    pub fn of(scene: Scene, materials: Vec<radiance::Description>) -> Self {
+        Self { scene, materials }
+    }
+
     fn of_file(
         py: Python<'_>,
         read: fn(&Path, f64) -> clerestory::Result<Scene>,

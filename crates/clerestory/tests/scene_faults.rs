@@ -2,7 +2,7 @@
 
 use clerestory::error::{Error, Result};
 use clerestory::geometry::{Extent, Mesh, Scene};
-use clerestory::io::{obj, ply, radiance, stl};
+use clerestory::io::{mtl, obj, ply, radiance, stl};
 use proptest::prelude::*;
 
 const RAD: &str = "# blind\nvoid plastic grey 0 0 5 .5 .5 .5 .02 .05\nvoid alias matt grey\n\
@@ -16,6 +16,16 @@ const OBJ: &str = "mtllib a.mtl\no film\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\ng a
 const STL: &str = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n";
 const PLY: &str = "comment x\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n\
     property list uchar int vertex_indices\nend_header\n";
+
+const ROOM: &str = "void glow g 0 0 4 1 2 3 6\ng sphere s 0 0 4 0 0 0 1\nvoid spotlight l 0 0 7 9 8 7 60 1 0 -2\n\
+    l ring r 0 0 8 0 0 0 0 0 -1 0 .2\nvoid aBSDF film 7 f.xml 0 0 1 . -rz 9 0 3 .1 .2 .3\n\
+    film polygon p 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\nvoid light solar 0 0 3 7 7 7\nsolar source sun 0 0 4 0 0 1 .5\n\
+    void brightfunc skyfunc 4 skybr skybright.cal -rz 3 0 7 1 2 3 1 0 0 1\nskyfunc glow d 0 0 4 1 1 1 0\n\
+    d source sky 0 0 4 0 0 1 180\n!gensky 6 21 10:30EST +i -m 75 -g .3 | xform -rz 20\n\
+    !gendaylit -ang 30 10 -W 706 162 -O 1\nskyfunc glow e 0 0 4 1 1 1 0\ne source sky 0 0 4 0 0 -1 180\n\
+    void illum i 1 void 0 3 1 1 1\n!genbox i b 1 1 1\n";
+const MTL: &str =
+    "newmtl wall\nKd .5 .4 .3\nKs .1\nNs 20\nillum 2\nmap_Kd a.png\nnewmtl pane\nKd 0 0 0\nd .2\nTf 1 1 .9\n";
 
 fn stl_binary() -> Vec<u8> {
     let mut bytes = vec![b' '; 80];
@@ -54,6 +64,29 @@ fn rad(bytes: &[u8]) -> Result<Scene> {
     Ok(read.scene)
 }
 
+fn room(bytes: &[u8]) -> Result<Scene> {
+    let mut open = |name: &str| Err(Error::Io(format!("{name}: not found")));
+    let read = radiance::parse_room(bytes, "", 0.01, &mut open, &|_| None)?;
+    assert_eq!(read.scene.surfaces.len(), read.materials.len());
+    let sound = |surface: u32| (surface as usize) < read.materials.len();
+    assert!(read.polygons.iter().all(|p| sound(p.surface)));
+    assert!(read.lights.iter().all(|l| sound(l.surface)));
+    assert!(read.data_sets.iter().all(|s| sound(s.surface)));
+    assert!(
+        read.sources
+            .iter()
+            .all(|s| s.sky.is_none_or(|sky| sky < read.skies.len()) && s.direction.x.is_finite())
+    );
+    Ok(read.scene)
+}
+
+fn library(bytes: &[u8]) -> Result<Scene> {
+    let (materials, _) = mtl::parse(bytes, "a.mtl")?;
+    let shares = materials.iter().flat_map(|m| &m.numbers[..4]);
+    assert!(shares.into_iter().all(|v| (0.0..=1.0).contains(v)));
+    Ok(Scene::default())
+}
+
 /// Reads what may be faulty; a scene that comes out is made ready for rays as well, if it is small.
 fn survives(read: fn(&[u8]) -> Result<Scene>, bytes: &[u8]) {
     let one_line = |error: &Error| {
@@ -87,6 +120,8 @@ type Reader = fn(&[u8]) -> Result<Scene>;
 fn samples() -> Vec<(Reader, Vec<u8>)> {
     vec![
         (rad as Reader, RAD.as_bytes().to_vec()),
+        (room, ROOM.as_bytes().to_vec()),
+        (library, MTL.as_bytes().to_vec()),
         (|b| obj::parse(b, 1.0), OBJ.as_bytes().to_vec()),
         (|b| stl::parse(b, 1.0), STL.as_bytes().to_vec()),
         (|b| stl::parse(b, 1.0), stl_binary()),
@@ -102,7 +137,19 @@ fn the_sound_files_are_sound() {
         .map(|(read, bytes)| read(&bytes).expect("sound").elements.len())
         .collect();
     // Slat, cone, ring, two blinds of three slats of sixteen quadrilaterals, prism, two copies of ball and box, sphere.
-    assert_eq!(counts, [2 + 1 + 1 + 2 * 3 * 16 * 2 + 8 + 2 * 13 + 1, 6, 1, 2, 3, 3]);
+    assert_eq!(
+        counts,
+        [
+            2 + 1 + 1 + 2 * 3 * 16 * 2 + 8 + 2 * 13 + 1,
+            1 + 1 + 2 + 12,
+            0,
+            6,
+            1,
+            2,
+            3,
+            3
+        ]
+    );
 }
 
 /// What is done to a file: at a share of its length, some bytes go and others come.

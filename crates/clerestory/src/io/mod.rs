@@ -2,11 +2,13 @@
 
 mod faces;
 pub mod gzip;
+pub mod mtl;
 pub mod number;
 pub mod obj;
 pub mod ply;
 mod polygon;
 pub mod radiance;
+pub mod room;
 pub mod stl;
 pub mod xml;
 

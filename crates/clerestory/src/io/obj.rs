@@ -1,9 +1,11 @@
 //! Wavefront OBJ: vertices and faces. Surfaces are named after the material in use (`usemtl`), or else after the group or
-//! the object; the material library itself is not read. Lines, points, texture coordinates and normals do not matter.
+//! the object; the material libraries are not read here, but named. Lines, points, texture coordinates and normals do not
+//! matter.
 
 use std::path::Path;
 
 use super::faces::{Faces, UNNAMED, check_unit, load};
+use super::room::Polygon;
 use crate::error::{Error, Result};
 use crate::geometry::{Scene, Vec3};
 
@@ -14,6 +16,23 @@ pub fn read(path: &Path, metres_per_unit: f64) -> Result<Scene> {
 
 /// Reads a file from its bytes.
 pub fn parse(bytes: &[u8], metres_per_unit: f64) -> Result<Scene> {
+    read_all(bytes, metres_per_unit).map(|content| content.scene)
+}
+
+/// What a file holds.
+#[derive(Debug)]
+pub(super) struct Content {
+    pub scene: Scene,
+    /// Its faces.
+    pub polygons: Vec<Polygon>,
+    /// Material libraries, with their lines.
+    pub libraries: Vec<(String, usize)>,
+    /// Of each surface the line of its first face, and whether it is a material.
+    pub uses: Vec<(usize, bool)>,
+}
+
+/// Reads a file from its bytes, with all that it says of materials.
+pub(super) fn read_all(bytes: &[u8], metres_per_unit: f64) -> Result<Content> {
     check_unit(metres_per_unit)?;
     let mut file = File {
         scale: metres_per_unit,
@@ -49,7 +68,12 @@ pub fn parse(bytes: &[u8], metres_per_unit: f64) -> Result<Scene> {
             file.ignored
         ));
     }
-    Ok(file.faces.finish())
+    Ok(Content {
+        scene: file.faces.finish(),
+        polygons: file.polygons,
+        libraries: file.libraries,
+        uses: file.uses,
+    })
 }
 
 #[derive(Debug, Default)]
@@ -64,6 +88,9 @@ struct File {
     current: Option<[u32; 2]>,
     ignored: usize,
     corners: Vec<Vec3>,
+    polygons: Vec<Polygon>,
+    libraries: Vec<(String, usize)>,
+    uses: Vec<(usize, bool)>,
 }
 
 impl File {
@@ -91,7 +118,8 @@ impl File {
                 self.current = None;
             }
             "l" | "p" => self.ignored += 1,
-            "vt" | "vn" | "vp" | "s" | "mtllib" | "usemap" | "maplib" | "bevel" | "c_interp" | "d_interp" | "lod"
+            "mtllib" => self.libraries.extend(named(rest()).map(|name| (name, place))),
+            "vt" | "vn" | "vp" | "s" | "usemap" | "maplib" | "bevel" | "c_interp" | "d_interp" | "lod"
             | "shadow_obj" | "trace_obj" => {}
             "curv" | "curv2" | "surf" | "cstype" | "deg" | "bmat" | "step" | "parm" | "trim" | "hole" | "scrv"
             | "sp" | "end" | "con" | "mg" | "ctech" | "stech" => {
@@ -162,6 +190,14 @@ impl File {
             ));
         }
         let [surface, object] = self.current();
+        if surface as usize == self.uses.len() {
+            self.uses.push((place, self.material.is_some()));
+        }
+        self.polygons.push(Polygon {
+            object,
+            surface,
+            corners: self.corners.clone(),
+        });
         self.faces
             .add(&self.corners, surface, object, || format!("line {place}"))
     }

@@ -1,6 +1,9 @@
 //! Command lines in scene files, as far as they are understood.
 
 use super::generate::{Generated, generate};
+use super::reader::Purpose;
+use super::sky::SkyModel;
+use super::sky_options::sky;
 use super::words::shown;
 use super::xform::Xform;
 use crate::error::{Error, Result};
@@ -19,10 +22,12 @@ pub(super) enum Source {
     Files(Vec<String>),
     /// Shapes made here.
     Generated(Generated),
+    /// A sky, for rooms.
+    Sky(SkyModel),
 }
 
 /// Reads a command line without running anything. Files of arguments are loaded by `open`.
-pub(super) fn parse(line: &str, open: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<Stage> {
+pub(super) fn parse(line: &str, purpose: Purpose, open: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<Stage> {
     let programs = split(line)?;
     let mut programs = programs.iter();
     let first = programs.next().map(Vec::as_slice).unwrap_or_default();
@@ -49,6 +54,7 @@ pub(super) fn parse(line: &str, open: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -
             }
             None => Source::Files(first[1..].to_vec()),
         },
+        Some("gensky" | "gendaylit") if purpose == Purpose::Room => Source::Sky(sky(first)?),
         Some(program) => match generate(first, open) {
             Some(generated) => Source::Generated(generated?),
             None => {
@@ -141,7 +147,7 @@ mod tests {
     use super::*;
 
     fn read(line: &str) -> Result<Stage> {
-        parse(line, &mut |_| Err(Error::Io("not here".into())))
+        parse(line, Purpose::Sample, &mut |_| Err(Error::Io("not here".into())))
     }
 
     #[test]

@@ -49,6 +49,14 @@ impl Transform {
         Vec3::new(x, y, z)
     }
 
+    /// The angle (degrees) of one that only turns about z, counter-clockwise as seen against it, shifts and sizes.
+    pub fn about_vertical(&self) -> Option<f64> {
+        let up = self.vector(Vec3::new(0.0, 0.0, 1.0)) * (1.0 / self.scale);
+        let east = self.vector(Vec3::new(1.0, 0.0, 0.0));
+        let upright = (up - Vec3::new(0.0, 0.0, 1.0)).length() < 1e-9;
+        (upright && !self.mirrors).then(|| east.y.atan2(east.x).to_degrees())
+    }
+
     /// First this one, then another.
     #[must_use]
     pub fn then(&self, next: &Self) -> Self {
