@@ -47,6 +47,7 @@ mod _core {
     use crate::room::{PyRoom, PyRoomPicture, PyRoomShapes};
     #[pymodule_export]
     use crate::sky::{PySky, PySkyPatches, cie_names, gensky_factor, sun_by_radiance};
+    #[pymodule_export]
     use crate::room_scene::read_room_scene;
     #[pymodule_export]
     use crate::system::PySystem;

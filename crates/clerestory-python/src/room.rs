@@ -6,7 +6,7 @@ use clerestory::geometry::{Scene, Shape, Vec3};
 use clerestory::material::Surface;
 use clerestory::picture::{Camera, View};
 use clerestory::room::{Accumulated, Parts, Picture, Room, Sensor, System};
-use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::arrays::rows;
@@ -15,6 +15,7 @@ use crate::errors::{ClerestoryError, raise};
 use crate::jobs::watched;
 use crate::sky::PySky;
 use crate::trace_material::{MaterialSpec, MediumSpec};
+use crate::trace_scene::PyScene;
 
 /// Materials of front and back, media before and behind.
 type SurfaceSpec = ([u32; 2], [u16; 2]);
@@ -71,35 +72,14 @@ impl PyRoomShapes {
         Ok(())
     }
 
-    /// Adds a sphere (centre, radius), ring (centre, normal, radii) or cone (ends, radii), in metres.
-    fn round(&mut self, object: &str, surface: u32, kind: &str, numbers: Vec<f64>, inward: bool) -> PyResult<()> {
-        let v = |k: usize| Vec3::new(numbers[k], numbers[k + 1], numbers[k + 2]);
-        let shape = match (kind, numbers.len()) {
-            ("sphere", 4) => Shape::Sphere {
-                centre: v(0),
-                radius: numbers[3],
-                inward,
-            },
-            ("ring", 8) => Shape::Ring {
-                centre: v(0),
-                normal: v(3).unit(),
-                radii: [numbers[6], numbers[7]],
-            },
-            ("cone", 8) => Shape::Cone {
-                ends: [v(0), v(3)],
-                radii: [numbers[6], numbers[7]],
-                inward,
-            },
-            _ => {
-                return Err(ClerestoryError::new_err(format!(
-                    "no round shape {kind} has {} numbers",
-                    numbers.len()
-                )));
+    /// Adds the shapes of a scene whose surfaces have a number here.
+    fn scene(&mut self, scene: &PyScene, surfaces: Vec<Option<u32>>) {
+        let objects: Vec<u32> = scene.scene.objects.iter().map(|name| self.0.object(name)).collect();
+        for element in &scene.scene.elements {
+            if let Some(Some(surface)) = surfaces.get(element.surface as usize) {
+                self.0.push(element.shape, *surface, objects[element.object as usize]);
             }
-        };
-        let object = self.0.object(object);
-        self.0.push(shape, surface, object);
-        Ok(())
+        }
     }
 
     /// Least and greatest x, y, z (2, 3) in metres; None of an empty scene.
@@ -256,26 +236,6 @@ impl PyRoomPicture {
         let found = self.found.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let sums = found.sums.iter().flatten().copied().collect();
         Ok((rows(py, sums, 3)?, numpy::PyArray1::from_slice(py, &found.squares)))
-    }
-
-    /// Takes up what was found before.
-    fn resume(
-        &self,
-        sums: PyReadonlyArray2<'_, f64>,
-        squares: PyReadonlyArray1<'_, f64>,
-        samples: u32,
-    ) -> PyResult<()> {
-        let pixels = self.picture.size[0] * self.picture.size[1];
-        if sums.shape() != [pixels, 3] || squares.len() != pixels {
-            return Err(ClerestoryError::new_err("what was found before is of another size"));
-        }
-        let mut found = self.found.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        *found = Accumulated {
-            sums: sums.as_array().rows().into_iter().map(|r| [r[0], r[1], r[2]]).collect(),
-            squares: squares.as_array().to_vec(),
-            samples,
-        };
-        Ok(())
     }
 
     /// Radiance of the sun's disc (pixels, 3) as it is seen directly or through the beams of windows.

@@ -14,7 +14,7 @@ use crate::trace::PyGeometry;
 /// Shapes with the names of their surfaces.
 #[pyclass(name = "Scene", frozen, module = "clerestory")]
 pub struct PyScene {
-    scene: Scene,
+    pub(crate) scene: Scene,
     materials: Vec<radiance::Description>,
 }
 

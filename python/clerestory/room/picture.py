@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from clerestory.picture import Picture
     from clerestory.room import recipe as keys
-    from clerestory.room.world import Room
 
 PROJECTIONS = {
     "perspective": "v",
@@ -56,6 +56,14 @@ class Rendering:
         """(height, width) [cd/m²]."""
         return np.asarray(EFFICACY * self.radiance @ WEIGHTS)
 
+    def picture(self) -> Picture:
+        """The same as a picture that can be written and rated."""
+        from clerestory import __version__
+        from clerestory.picture import Picture, View
+
+        header = [f"SOFTWARE= clerestory {__version__}", f"SAMPLES= {self.samples} paths a pixel"]
+        return Picture(self.radiance, View(self.view), header=header)
+
     @property
     def relative_noise(self) -> float:
         """Mean noise over mean luminance."""
@@ -78,7 +86,6 @@ def options(view: keys.View) -> str:
 
 def render(
     core: _core.Room,
-    room: Room,
     view: keys.View,
     *,
     noise: float,
@@ -88,7 +95,6 @@ def render(
     progress: Callable[[float], object] | None,
 ) -> Rendering:
     """See `Room.picture`."""
-    del room
     if samples is not None and not 1 <= samples <= MOST:
         raise ClerestoryError(f"{samples} paths a pixel cannot be (give 1 to {MOST})")
     if not 0.0 < noise < 10.0:

@@ -11,6 +11,7 @@ import numpy as np
 
 from clerestory import _core
 from clerestory.room.builder import Quads, build
+from clerestory.room.files import Found, take
 from clerestory.room.recipe import LEVELS, Recipe
 from clerestory.room.shipped import names, path_of
 from clerestory.trace.bands import Bands
@@ -70,6 +71,11 @@ class Room:
             self._specs[name] = material.spec(CHANNELS, f"materials.{name}", self.folder)
         for name, material in recipe.materials.items():
             material.check(self._specs, f"materials.{name}")
+        self._media = {AIR: Medium(index=1.0).spec(CHANNELS, AIR)}
+        self._systems = dict(recipe.systems)
+        self._lights = [
+            (name, light.corners_m, [light.luminance / EFFICACY] * 3) for name, light in recipe.lights.items()
+        ]
         self._surfaces: list[tuple[tuple[int, int], tuple[int, int]]] = []
         self._shapes = _core.RoomShapes()
         self.windows: list[WindowOf] = []
@@ -85,13 +91,13 @@ class Room:
             self.windows.append(WindowOf(name, np.array(window.corners_m), window.system))
         self._bsdfs: dict[str, tuple[Bsdf, list[str | None]]] = {}
         for window in self.windows:
-            if window.system not in recipe.systems:
+            if window.system not in self._systems:
                 known = recipe.systems
                 hint = suggestion(window.system, known) if known else f"add [systems.{window.system}]"
                 raise RecipeError(f"window {window.name}: there is no system {window.system!r} ({hint})")
             if window.system not in self._bsdfs:
                 self._bsdfs[window.system] = _system(
-                    recipe.systems[window.system], f"systems.{window.system}", self.folder
+                    self._systems[window.system], f"systems.{window.system}", self.folder
                 )
         if not self.windows:
             self.warnings.append("the room has no window: daylight enters through openings of the geometry only")
@@ -202,7 +208,7 @@ class Room:
 
         chosen = self.view(view) if isinstance(view, str) else view
         return render(
-            self._core, self, chosen, noise=noise, samples=samples, seconds=seconds, seed=seed, progress=progress
+            self._core, chosen, noise=noise, samples=samples, seconds=seconds, seed=seed, progress=progress
         )
 
     def _grid(self, sensors: keys.Sensors, key: str) -> NDArray[np.float64]:
@@ -245,20 +251,50 @@ class Room:
         return name
 
     def _add_file(self, geometry: keys.Geometry, key: str) -> None:
-        raise NotImplementedError
+        path = self.folder / geometry.file
+        taken = take(path, geometry, key)
+        self.warnings += [f"{path}: {text}" for text in taken.warnings]
+        numbers: list[int | None] = []
+        for name, found in zip(taken.scene.surfaces, taken.surfaces, strict=True):
+            if name in taken.elsewhere:
+                numbers.append(None)
+                continue
+            if name in self.recipe.materials:
+                material, medium = name, AIR
+            elif found is not None:
+                material, medium = self._added(f"{geometry.file}: {name}", found)
+            elif geometry.material is not None:
+                material, medium = self._material(geometry.material, f"{key}.material"), AIR
+            else:
+                raise RecipeError(f"{key}: nothing is said of the surface {name!r} (add [materials.{name}], or material)")
+            number = self._shapes.surface(f"{geometry.file}: {name}")
+            if number == len(self._surfaces):
+                index = list(self._specs).index(material)
+                self._surfaces.append(((index, index), (0, list(self._media).index(medium))))
+            numbers.append(number)
+        self._shapes.scene(taken.scene, numbers)
+        for name, corners, system in taken.windows:
+            self.windows.append(WindowOf(name, corners, system.file or ""))
+            self._systems[system.file or ""] = system
+        self._lights += taken.lights
+
+    def _added(self, name: str, found: Found) -> tuple[str, str]:
+        """A material of a file, and the medium behind its front."""
+        self._specs[name] = found.spec
+        if found.medium is None:
+            return name, AIR
+        self._media[name] = found.medium
+        return name, name
 
     def _made(self) -> _core.Room:
-        media = [Medium(index=1.0).spec(CHANNELS, AIR)]
         materials = [spec.for_core(self._specs) for spec in self._specs.values()]
         windows = [
             (w.name, w.corners.tolist(), self._bsdfs[w.system][0]._core, self._bsdfs[w.system][1], [0.0, 0.0, 1.0])
             for w in self.windows
         ]
-        lights = [
-            (name, light.corners_m, [light.luminance / EFFICACY] * 3) for name, light in self.recipe.lights.items()
-        ]
+        media = list(self._media.values())
         try:
-            return _core.Room(self._shapes, self._surfaces, materials, media, windows, lights, self.sky._core)
+            return _core.Room(self._shapes, self._surfaces, materials, media, windows, self._lights, self.sky._core)
         except _core.ClerestoryError as error:
             raise RecipeError(str(error)) from error
 

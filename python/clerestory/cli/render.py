@@ -1,0 +1,215 @@
+"""`clerestory render`: pictures and illuminances of a room with daylight."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from clerestory.cli.common import (
+    JsonOption,
+    UsageError,
+    note,
+    numbers,
+    print_json,
+    progress,
+    refuse_overwriting,
+    say,
+    table,
+    write_whole,
+)
+
+if TYPE_CHECKING:
+    from clerestory.room import Illuminance, Rendering, Room, View
+
+PICTURES = (".hdr", ".pic", ".xyze", ".exr", ".png", ".pdf", ".svg")
+"""Suffixes of pictures: of radiance, and in false colours."""
+
+
+def render(
+    scene: Annotated[
+        str | None,
+        typer.Argument(metavar="SCENE", help="Room recipe (.toml), or the name of one of --list.", show_default=False),
+    ] = None,
+    *,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="OUT",
+            help="Picture: .hdr, .pic, .xyze or .exr; .png, .pdf or .svg in false colours. With --sensors: .csv.",
+        ),
+    ] = None,
+    view: Annotated[str | None, typer.Option(metavar="NAME", help="View of the recipe; its first by default.")] = None,
+    sensors: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Illuminance at these sensors of the recipe, in place of a picture.")
+    ] = None,
+    size: Annotated[str | None, typer.Option(metavar="W,H", help="Pixels; the view's by default.")] = None,
+    noise: Annotated[
+        float, typer.Option(metavar="PCT", help="Mean noise of a pixel to reach, relative to the mean luminance.")
+    ] = 10.0,
+    error: Annotated[float, typer.Option(metavar="PCT", help="Standard error of illuminances to reach.")] = 1.0,
+    samples: Annotated[int | None, typer.Option(metavar="N", help="Paths a pixel or sensor, instead.")] = None,
+    seconds: Annotated[
+        float | None, typer.Option(metavar="S", help="Begin no further pass over the picture after this time.")
+    ] = None,
+    glare: Annotated[bool, typer.Option("--glare", help="Rate the glare of the picture, as `clerestory glare` does.")] = False,
+    tone_mapped: Annotated[
+        bool, typer.Option("--tone-mapped", help="A .png, .pdf or .svg as people see it, not in false colours.")
+    ] = False,
+    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Another seed gives an independent result.")] = 1,
+    list_all: Annotated[bool, typer.Option("--list", help="List the rooms that come with Clerestory.")] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Look into a room with daylight: one picture, or illuminance at sensors.
+
+    A recipe describes the room, its windows with their systems, the sky, views and sensors. Light is followed path by
+    path; windows and the sun are asked for light at every surface, and the sun that a window lets pass straight is an exact
+    disc.
+
+    Example: clerestory render office -o office.hdr --glare
+    """
+    from clerestory import room
+
+    if list_all:
+        _list(as_json=as_json)
+        return
+    if scene is None:
+        raise UsageError("SCENE is missing (give a recipe, or see --list)")
+    if output is not None:
+        if sensors is None and output.suffix.lower() not in PICTURES:
+            raise UsageError(f"{output}: the name does not tell the format (end it with {', '.join(PICTURES)})")
+        if sensors is not None and output.suffix.lower() != ".csv":
+            raise UsageError(f"{output}: illuminances are written as a table (end the name with .csv)")
+        refuse_overwriting(output, [Path(scene)])
+    elif sensors is None and not glare:
+        raise UsageError("no output is named (give -o OUT.hdr, --glare, or --sensors NAME)")
+    made = room.load(scene)
+    for text in made.warnings:
+        note(f"warning: {scene}: {text}")
+    if sensors is not None:
+        if view is not None or glare:
+            raise UsageError("--sensors goes without --view and --glare (run the command twice)")
+        with progress("tracing") as tell:
+            found = made.illuminance(sensors, error=error / 100.0, samples=samples, seed=seed, progress=tell)
+        _tell_illuminance(found, output, as_json=as_json)
+        return
+    chosen = _view(made, view, size)
+    with progress("tracing") as tell:
+        picture = made.picture(
+            chosen, noise=noise / 100.0, samples=samples, seconds=seconds, seed=seed, progress=tell
+        )
+    if output is not None:
+        _write(picture, output, tone_mapped=tone_mapped)
+    _tell_picture(picture, output, glare=glare, as_json=as_json)
+
+
+def _view(made: Room, name: str | None, size: str | None) -> View:
+    if name is None:
+        if not made.recipe.views:
+            raise UsageError("the recipe has no view (add [views.NAME], or ask for --sensors)")
+        name = next(iter(made.recipe.views))
+    chosen = made.view(name)
+    if size is None:
+        return chosen
+    width, height = (int(v) for v in numbers(size, "--size", 2, "800,800"))
+    if not (1 <= width <= 16384 and 1 <= height <= 16384):
+        raise UsageError(f"--size {size}: not a size in pixels (give 1 to 16384 for both)")
+    return chosen.model_copy(update={"size_px": [width, height]})
+
+
+def _write(picture: Rendering, output: Path, *, tone_mapped: bool) -> None:
+    from clerestory.picture import falsecolour
+    from clerestory.picture import tone_mapped as as_seen
+    from clerestory.plot import save
+
+    made = picture.picture()
+    if output.suffix.lower() in (".png", ".pdf", ".svg"):
+        save(as_seen(made) if tone_mapped else falsecolour(made), output)
+    else:
+        made.write(output)
+
+
+def _tell_picture(picture: Rendering, output: Path | None, *, glare: bool, as_json: bool) -> None:
+    luminance = picture.luminance
+    result: dict[str, object] = {
+        "output": output,
+        "view": picture.view,
+        "size": list(luminance.shape[::-1]),
+        "paths_a_pixel": picture.samples,
+        "relative_noise": picture.relative_noise,
+        "mean_luminance": float(luminance.mean()),
+        "greatest_luminance": float(luminance.max()),
+        "seconds": picture.seconds,
+    }
+    lines = [
+        f"{picture.samples} paths a pixel in {picture.seconds:.1f} s, mean noise of a pixel "
+        f"{100.0 * picture.relative_noise:.2g} %",
+        f"luminance {luminance.mean():.0f} cd/m² on average, {luminance.max():.3g} cd/m² at most",
+    ]
+    if glare:
+        from clerestory.glare import evaluate
+
+        found = evaluate(picture.picture())
+        result |= {
+            "dgp": found.dgp,
+            "dgi": found.dgi,
+            "ugr": found.ugr,
+            "vertical_illuminance": found.vertical_illuminance,
+            "glare_sources": len(found.sources),
+        }
+        lines.append(
+            f"E_v {found.vertical_illuminance:.0f} lx, DGP {found.dgp:.3f} ({found.dgp_class}), DGI {found.dgi:.1f} "
+            f"({found.dgi_class}), UGR {found.ugr:.1f}, {len(found.sources)} sources"
+        )
+        result["warnings"] = list(found.warnings)
+        lines += [f"warning: {text}" for text in found.warnings]
+    if as_json:
+        print_json(result)
+        return
+    for line in lines:
+        say(line)
+
+
+def _tell_illuminance(found: Illuminance, output: Path | None, *, as_json: bool) -> None:
+    if output is not None:
+        head = "x_m,y_m,z_m,nx,ny,nz,illuminance_lx,standard_error_lx"
+        rows = [
+            ",".join(f"{v:.6g}" for v in (*p, *n, e, s))
+            for p, n, e, s in zip(found.points, found.normals, found.values, found.standard_errors, strict=True)
+        ]
+        write_whole(output, "\n".join([head, *rows, ""]))
+    if as_json:
+        print_json(
+            {
+                "output": output,
+                "points": found.points,
+                "illuminance": found.values,
+                "standard_errors": found.standard_errors,
+                "paths_a_sensor": found.samples,
+            }
+        )
+        return
+    if output is None:
+        rows = [
+            [*(f"{v:.2f}" for v in p), f"{e:.0f} ± {s:.0f}"]
+            for p, e, s in zip(found.points, found.values, found.standard_errors, strict=True)
+        ]
+        say(table(["x [m]", "y [m]", "z [m]", "illuminance [lx]"], rows, left=0))
+    values = found.values
+    say(
+        f"{len(values)} points: mean {values.mean():.0f} lx, least {values.min():.0f}, greatest {values.max():.0f}; "
+        f"{found.samples} paths each"
+    )
+
+
+def _list(*, as_json: bool) -> None:
+    from clerestory.room.shipped import about, names, path_of
+
+    found = [{"name": name, "what": about(name), "file": path_of(name)} for name in names()]
+    if as_json:
+        print_json(found)
+        return
+    say(table(["room", ""], [[str(f["name"]), str(f["what"])] for f in found], left=2))

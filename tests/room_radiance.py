@@ -1,0 +1,99 @@
+"""The same room for Radiance's programs."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyradiance
+
+from clerestory.room import Room
+from clerestory.room.builder import build
+from clerestory.room.recipe import Box
+
+PACKAGE = Path(pyradiance.__file__).parent
+EFFICACY = 179.0
+WEIGHTS = np.array([0.265074126, 0.670114631, 0.064811243])
+SIZE = {"width_m": 3.6, "depth_m": 5.0, "height_m": 2.8}
+REFLECTANCES = {"floor": 0.2, "walls": 0.6, "ceiling": 0.8}
+SUN = (35.0, 200.0)
+"""Altitude and compass azimuth [°]."""
+
+GLOWS = """
+skyfunc glow sky_glow 0 0 4 1 1 1 0
+sky_glow source sky 0 0 4 0 0 1 180
+skyfunc glow ground_glow 0 0 4 1 1 1 0
+ground_glow source ground 0 0 4 0 0 -1 180
+"""
+
+
+def environment() -> dict[str, str]:
+    """Where the programs find each other."""
+    return {
+        **os.environ,
+        "RAYPATH": f".{os.pathsep}{PACKAGE / 'lib'}",
+        "PATH": f"{PACKAGE / 'bin'}{os.pathsep}{os.environ['PATH']}",
+    }
+
+
+def run(*command: str, folder: Path, data: str | bytes = b"") -> bytes:
+    """Standard output of a program."""
+    return subprocess.run(
+        command,
+        cwd=folder,
+        env=environment(),
+        input=data.encode() if isinstance(data, str) else data,
+        capture_output=True,
+        check=True,
+        timeout=600,
+    ).stdout
+
+
+def tables(system: dict[str, Any], *, sun: bool) -> dict[str, Any]:
+    """A recipe of the room; the sky is gensky's clear one, with or without its sun."""
+    return {
+        "sky": {"kind": "clear" if sun else "overcast", "sun_deg": list(SUN), "preset": "radiance"},
+        "room": {
+            **SIZE,
+            **REFLECTANCES,
+            "openings": [{"width_m": 3.2, "height_m": 1.7, "sill_m": 0.9, "system": "window"}],
+        },
+        "systems": {"window": system},
+        "views": {"eye": {"point_m": [1.8, 3.0, 1.2], "direction": [0.0, -1.0, 0.0], "size_px": [256, 256]}},
+    }
+
+
+def octree(room: Room, material: str, folder: Path, *, sun: bool) -> None:
+    """The scene with the window's material, which is called `window`, as `scene.oct` in a folder."""
+    altitude, azimuth = SUN
+    sky = run("gensky", "-ang", str(altitude), str(azimuth - 180.0), "+s" if sun else "-c", folder=folder).decode()
+    (folder / "sky.rad").write_text(sky + GLOWS)
+    text = [material]
+    for name, value in REFLECTANCES.items():
+        text.append(f"void plastic {name} 0 0 5 {value} {value} {value} 0 0")
+    box = room.recipe.room
+    assert isinstance(box, Box)
+    quads, windows = build(box)
+    for quad in quads:
+        name = quad.name if quad.name in REFLECTANCES else "walls"
+        for k, corners in enumerate(quad.corners):
+            numbers = " ".join(f"{v:.9g}" for v in corners.ravel())
+            text.append(f"{name} polygon {quad.name.replace(' ', '_')}.{k} 0 0 12 {numbers}")
+    for name, outline, _ in windows:
+        numbers = " ".join(f"{v:.9g}" for corner in outline for v in corner)
+        text.append(f"window polygon {name} 0 0 {3 * len(outline)} {numbers}")
+    (folder / "room.rad").write_text("\n".join(text) + "\n")
+    (folder / "scene.oct").write_bytes(run("oconv", "sky.rad", "room.rad", folder=folder))
+
+
+def illuminance(folder: Path, points: np.ndarray, normals: np.ndarray, *, divisions: int, bounces: int) -> np.ndarray:
+    """Illuminance (n,) [lx] by rtrace without its ambient cache."""
+    rows = "\n".join(" ".join(f"{v:.9g}" for v in (*p, *n)) for p, n in zip(points, normals, strict=True))
+    options = f"-h -I -n 2 -ab {bounces} -ad {divisions} -as 0 -aa 0 -lw {0.1 / divisions:.3g} -lr {bounces + 4}"
+    quality = "-ds .05 -dj .8 -dt 0 -dc 1 -st 0 -ss 4 -u+"
+    found = run("rtrace", *options.split(), *quality.split(), "scene.oct", folder=folder, data=rows)
+    values = np.array([[float(v) for v in line.split()] for line in found.decode().splitlines() if line.strip()])
+    return np.asarray(EFFICACY * values @ WEIGHTS)
