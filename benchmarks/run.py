@@ -13,6 +13,7 @@ sys.path[:0] = [str(ROOT / "tests")]
 
 import agreement  # noqa: E402
 import conversion  # noqa: E402
+import glare  # noqa: E402
 import goniophotometer  # noqa: E402
 import loading  # noqa: E402
 import lookups  # noqa: E402
@@ -34,6 +35,9 @@ CHAPTERS = {
         "rays": rays.report,
         "shading": shading.report,
         "round-robin": round_robin.report,
+    },
+    "Glare": {
+        "glare": glare.report,
     },
 }
 JOBS = {name: job for jobs in CHAPTERS.values() for name, job in jobs.items()}

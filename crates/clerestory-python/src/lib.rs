@@ -8,9 +8,13 @@ mod bsdf;
 mod compare;
 mod convert;
 mod errors;
+mod glare;
 mod jobs;
 mod model;
 mod npz;
+mod picture;
+mod room;
+mod sky;
 mod room_scene;
 mod system;
 mod trace;
@@ -34,8 +38,15 @@ mod _core {
     #[pymodule_export]
     use crate::compare::distances;
     #[pymodule_export]
+    use crate::glare::{PyLens, glare_preset, rate_glare};
+    #[pymodule_export]
     use crate::model::PyModel;
     #[pymodule_export]
+    use crate::picture::{PyPicture, PyView};
+    #[pymodule_export]
+    use crate::room::{PyRoom, PyRoomPicture, PyRoomShapes};
+    #[pymodule_export]
+    use crate::sky::{PySky, PySkyPatches, cie_names, gensky_factor, sun_by_radiance};
     use crate::room_scene::read_room_scene;
     #[pymodule_export]
     use crate::system::PySystem;

@@ -21,7 +21,8 @@ from clerestory.cli.common import UsageError, in_one_line, is_expected
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_COMMANDS = ("info", "check", "query", "convert", "plot", "trace", "compare")
+_COMMANDS = ("info", "check", "query", "convert", "plot", "trace", "sky", "compare")
+_COMMANDS = ("info", "check", "query", "convert", "plot", "trace", "glare", "compare")
 
 app = typer.Typer(
     name="clerestory",

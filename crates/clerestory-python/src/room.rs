@@ -1,0 +1,286 @@
+//! Rooms with daylight.
+
+use std::sync::{Arc, Mutex};
+
+use clerestory::geometry::{Scene, Shape, Vec3};
+use clerestory::material::Surface;
+use clerestory::picture::{Camera, View};
+use clerestory::room::{Accumulated, Parts, Picture, Room, Sensor, System};
+use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+
+use crate::arrays::rows;
+use crate::bsdf::PyBsdf;
+use crate::errors::{ClerestoryError, raise};
+use crate::jobs::watched;
+use crate::sky::PySky;
+use crate::trace_material::{MaterialSpec, MediumSpec};
+
+/// Materials of front and back, media before and behind.
+type SurfaceSpec = ([u32; 2], [u16; 2]);
+
+/// Name, corners, data set, band of each channel, upward direction of the sample.
+type WindowSpec<'py> = (String, Vec<[f64; 3]>, Bound<'py, PyBsdf>, [Option<String>; 3], [f64; 3]);
+
+/// Name, corners, radiance.
+type LightSpec = (String, Vec<[f64; 3]>, [f64; 3]);
+
+fn vector([x, y, z]: [f64; 3]) -> Vec3 {
+    Vec3::new(x, y, z)
+}
+
+/// Shapes of a room, each with its surface.
+#[pyclass(name = "RoomShapes", module = "clerestory")]
+#[derive(Default)]
+pub struct PyRoomShapes(Scene);
+
+#[pymethods]
+impl PyRoomShapes {
+    #[new]
+    fn new() -> Self {
+        Self::default()
+    }
+
+    /// Number of a surface; it is added if it is new.
+    fn surface(&mut self, name: &str) -> u32 {
+        self.0.surface(name)
+    }
+
+    /// Adds triangles: corners (n, 3) in metres, triangles (m, 3), under the name of an object.
+    fn triangles(
+        &mut self,
+        object: &str,
+        surface: u32,
+        corners: PyReadonlyArray2<'_, f64>,
+        triangles: PyReadonlyArray2<'_, i64>,
+    ) -> PyResult<()> {
+        let (corners, triangles) = (corners.as_array(), triangles.as_array());
+        let count = corners.nrows() as i64;
+        if corners.ncols() != 3 || triangles.ncols() != 3 || triangles.iter().any(|k| !(0..count).contains(k)) {
+            return Err(ClerestoryError::new_err("corners and triangles do not fit together"));
+        }
+        let object = self.0.object(object);
+        let corner = |k: i64| {
+            let p = corners.row(k as usize);
+            Vec3::new(p[0], p[1], p[2])
+        };
+        for triangle in triangles.rows() {
+            let shape = Shape::Triangle([corner(triangle[0]), corner(triangle[1]), corner(triangle[2])]);
+            self.0.push(shape, surface, object);
+        }
+        Ok(())
+    }
+
+    /// Adds a sphere (centre, radius), ring (centre, normal, radii) or cone (ends, radii), in metres.
+    fn round(&mut self, object: &str, surface: u32, kind: &str, numbers: Vec<f64>, inward: bool) -> PyResult<()> {
+        let v = |k: usize| Vec3::new(numbers[k], numbers[k + 1], numbers[k + 2]);
+        let shape = match (kind, numbers.len()) {
+            ("sphere", 4) => Shape::Sphere {
+                centre: v(0),
+                radius: numbers[3],
+                inward,
+            },
+            ("ring", 8) => Shape::Ring {
+                centre: v(0),
+                normal: v(3).unit(),
+                radii: [numbers[6], numbers[7]],
+            },
+            ("cone", 8) => Shape::Cone {
+                ends: [v(0), v(3)],
+                radii: [numbers[6], numbers[7]],
+                inward,
+            },
+            _ => {
+                return Err(ClerestoryError::new_err(format!(
+                    "no round shape {kind} has {} numbers",
+                    numbers.len()
+                )));
+            }
+        };
+        let object = self.0.object(object);
+        self.0.push(shape, surface, object);
+        Ok(())
+    }
+
+    /// Least and greatest x, y, z (2, 3) in metres; None of an empty scene.
+    fn bounds(&self) -> Option<[[f64; 3]; 2]> {
+        let bounds = self.0.elements.iter().map(|e| e.shape.bounds().map(Vec3::array));
+        bounds.reduce(|[a, b], [c, d]| {
+            [
+                std::array::from_fn(|k| a[k].min(c[k])),
+                std::array::from_fn(|k| b[k].max(d[k])),
+            ]
+        })
+    }
+}
+
+/// A room, ready for paths.
+#[pyclass(name = "Room", frozen, module = "clerestory")]
+pub struct PyRoom(Arc<Room>);
+
+/// Irradiance (n, 3) and its standard errors (n, 3), W/m².
+type Irradiance<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+
+#[pymethods]
+impl PyRoom {
+    #[new]
+    #[allow(clippy::too_many_arguments, reason = "the parts of a room")]
+    fn new(
+        py: Python<'_>,
+        shapes: &PyRoomShapes,
+        surfaces: Vec<SurfaceSpec>,
+        materials: Vec<MaterialSpec<'_>>,
+        media: Vec<MediumSpec>,
+        windows: Vec<WindowSpec<'_>>,
+        lights: Vec<LightSpec>,
+        sky: &PySky,
+    ) -> PyResult<Self> {
+        let surface = |(materials, media): SurfaceSpec| Surface { materials, media };
+        let corners = |corners: Vec<[f64; 3]>| corners.into_iter().map(vector).collect();
+        let windows = windows
+            .into_iter()
+            .map(|(name, outline, bsdf, bands, up)| {
+                let bands = [0, 1, 2].map(|k: usize| bands[k].as_deref());
+                let system = System::new(&bsdf.get().0, bands, vector(up))
+                    .map_err(|e| ClerestoryError::new_err(format!("window {name:?}: {e}")))?;
+                Ok((name, corners(outline), system))
+            })
+            .collect::<PyResult<_>>()?;
+        let parts = Parts {
+            scene: shapes.0.clone(),
+            surfaces: surfaces.into_iter().map(surface).collect(),
+            materials: materials
+                .into_iter()
+                .map(MaterialSpec::into_material)
+                .collect::<PyResult<_>>()?,
+            media: media
+                .into_iter()
+                .map(MediumSpec::into_medium)
+                .collect::<PyResult<_>>()?,
+            windows,
+            lights: lights
+                .into_iter()
+                .map(|(name, outline, radiance)| (name, corners(outline), radiance))
+                .collect(),
+            sky: sky.0.clone(),
+        };
+        watched(py, None, |progress| Room::new(parts, progress)).map(|room| Self(Arc::new(room)))
+    }
+
+    /// Names of the windows, whether something other than sky and ground is seen through each, and what its data set lacks.
+    fn windows(&self) -> Vec<(String, bool, Vec<String>)> {
+        let windows = self.0.windows().iter();
+        windows
+            .map(|w| (w.name().to_owned(), w.obstructed(), w.system().warnings().to_vec()))
+            .collect()
+    }
+
+    /// Irradiance at points (n, 3) that face along normals (n, 3), by so many paths each.
+    #[pyo3(signature = (points, normals, samples, seed, report=None))]
+    fn irradiance<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyReadonlyArray2<'_, f64>,
+        normals: PyReadonlyArray2<'_, f64>,
+        samples: u32,
+        seed: u64,
+        report: Option<Py<PyAny>>,
+    ) -> PyResult<Irradiance<'py>> {
+        let (points, normals) = (points.as_array(), normals.as_array());
+        if points.ncols() != 3 || normals.dim() != points.dim() {
+            return Err(ClerestoryError::new_err("points and normals do not fit together"));
+        }
+        let sensors: Vec<Sensor> = points
+            .rows()
+            .into_iter()
+            .zip(normals.rows())
+            .map(|(p, n)| Sensor {
+                point: Vec3::new(p[0], p[1], p[2]),
+                normal: Vec3::new(n[0], n[1], n[2]),
+            })
+            .collect();
+        let room = self.0.clone();
+        let found = watched(py, report.as_ref(), |progress| {
+            room.irradiance(&sensors, samples, seed, progress)
+        })?;
+        let values = found.iter().flat_map(|e| e.value).collect();
+        let errors = found.iter().flat_map(|e| e.standard_error).collect();
+        Ok((rows(py, values, 3)?, rows(py, errors, 3)?))
+    }
+}
+
+/// A picture that is being made.
+#[pyclass(name = "RoomPicture", frozen, module = "clerestory")]
+pub struct PyRoomPicture {
+    room: Arc<Room>,
+    picture: Picture,
+    found: Mutex<Accumulated>,
+}
+
+#[pymethods]
+impl PyRoomPicture {
+    /// Of a room, in a view (Radiance's options), of so many pixels.
+    #[new]
+    fn new(room: &PyRoom, view: &str, width: usize, height: usize, seed: u64) -> PyResult<Self> {
+        let camera = Camera::new(View::parse(view).map_err(raise)?).map_err(raise)?;
+        Ok(Self {
+            room: room.0.clone(),
+            picture: Picture {
+                camera,
+                size: [width, height],
+                seed,
+            },
+            found: Mutex::new(Accumulated::default()),
+        })
+    }
+
+    /// Adds paths to every pixel.
+    #[pyo3(signature = (samples, report=None))]
+    fn add(&self, py: Python<'_>, samples: u32, report: Option<Py<PyAny>>) -> PyResult<()> {
+        watched(py, report.as_ref(), |progress| {
+            let mut found = self.found.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            self.picture.add(&self.room, samples, &mut found, progress)
+        })
+    }
+
+    /// Paths of every pixel so far.
+    fn samples(&self) -> u32 {
+        self.found
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner)
+            .samples
+    }
+
+    /// Sums over paths of the radiance (pixels, 3) and of the squares of the mean of the channels (pixels).
+    fn sums<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, numpy::PyArray1<f64>>)> {
+        let found = self.found.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let sums = found.sums.iter().flatten().copied().collect();
+        Ok((rows(py, sums, 3)?, numpy::PyArray1::from_slice(py, &found.squares)))
+    }
+
+    /// Takes up what was found before.
+    fn resume(
+        &self,
+        sums: PyReadonlyArray2<'_, f64>,
+        squares: PyReadonlyArray1<'_, f64>,
+        samples: u32,
+    ) -> PyResult<()> {
+        let pixels = self.picture.size[0] * self.picture.size[1];
+        if sums.shape() != [pixels, 3] || squares.len() != pixels {
+            return Err(ClerestoryError::new_err("what was found before is of another size"));
+        }
+        let mut found = self.found.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        *found = Accumulated {
+            sums: sums.as_array().rows().into_iter().map(|r| [r[0], r[1], r[2]]).collect(),
+            squares: squares.as_array().to_vec(),
+            samples,
+        };
+        Ok(())
+    }
+
+    /// Radiance of the sun's disc (pixels, 3) as it is seen directly or through the beams of windows.
+    fn sun<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let seen = py.detach(|| self.picture.sun(&self.room));
+        rows(py, seen.into_iter().flatten().collect(), 3)
+    }
+}

@@ -1,0 +1,351 @@
+"""Rooms: what a recipe describes, ready to be looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from clerestory import _core
+from clerestory.room.builder import Quads, build
+from clerestory.room.recipe import LEVELS, Recipe
+from clerestory.room.shipped import names, path_of
+from clerestory.trace.bands import Bands
+from clerestory.trace.keys import RecipeError, suggestion
+from clerestory.trace.materials import Spec
+from clerestory.trace.media import Medium
+from clerestory.trace.recipe import read_toml
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from clerestory.bsdf import Bsdf
+    from clerestory.room import recipe as keys
+    from clerestory.room.illuminance import Illuminance
+    from clerestory.room.picture import Rendering
+    from clerestory.sky import Sky
+
+CHANNELS = Bands(names=["red", "green", "blue"])
+"""Radiance's channels, which are the bands of a room."""
+AIR = "air"
+EFFICACY = 179.0
+"""Luminous efficacy of the visible watts in pictures [lm/W]."""
+
+
+@dataclass(frozen=True)
+class WindowOf:
+    """A window of a room."""
+
+    name: str
+    corners: NDArray[np.float64]
+    """(n, 3) [m], counter-clockwise as seen from the room."""
+    system: str
+
+
+class Room:
+    """A room with windows under a sky: made by `load`."""
+
+    def __init__(self, recipe: Recipe, folder: str | os.PathLike[str] = ".") -> None:
+        """From a recipe; files that it names are relative to `folder`.
+
+        Raises
+        ------
+        RecipeError
+            The room cannot be; the text names the key.
+        """
+        self.recipe = recipe
+        self.folder = Path(folder)
+        self.warnings: list[str] = []
+        """What is surprising, but can be."""
+        self.sky: Sky = _sky(recipe)
+        """What is outside."""
+        self._specs: dict[str, Spec] = {}
+        for name, material in recipe.materials.items():
+            self._specs[name] = material.spec(CHANNELS, f"materials.{name}", self.folder)
+        for name, material in recipe.materials.items():
+            material.check(self._specs, f"materials.{name}")
+        self._surfaces: list[tuple[tuple[int, int], tuple[int, int]]] = []
+        self._shapes = _core.RoomShapes()
+        self.windows: list[WindowOf] = []
+        """Its windows."""
+        if recipe.room is not None:
+            quads, windows = build(recipe.room)
+            for quad in quads:
+                self._add(quad)
+            self.windows += [WindowOf(name, np.array(corners), system) for name, corners, system in windows]
+        for k, geometry in enumerate(recipe.geometry):
+            self._add_file(geometry, f"geometry[{k + 1}]")
+        for name, window in recipe.windows.items():
+            self.windows.append(WindowOf(name, np.array(window.corners_m), window.system))
+        self._bsdfs: dict[str, tuple[Bsdf, list[str | None]]] = {}
+        for window in self.windows:
+            if window.system not in recipe.systems:
+                known = recipe.systems
+                hint = suggestion(window.system, known) if known else f"add [systems.{window.system}]"
+                raise RecipeError(f"window {window.name}: there is no system {window.system!r} ({hint})")
+            if window.system not in self._bsdfs:
+                self._bsdfs[window.system] = _system(
+                    recipe.systems[window.system], f"systems.{window.system}", self.folder
+                )
+        if not self.windows:
+            self.warnings.append("the room has no window: daylight enters through openings of the geometry only")
+        self._core = self._made()
+        for name, _, lacks in self._core.windows():
+            self.warnings += [f"window {name}: {text}" for text in lacks]
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        return self.recipe.name or "room"
+
+    def view(self, name: str) -> keys.View:
+        """One of its views.
+
+        Raises
+        ------
+        RecipeError
+            There is no such view.
+        """
+        known = self.recipe.views
+        if name not in known:
+            hint = suggestion(name, known) if known else "add [views.NAME]"
+            raise RecipeError(f"there is no view {name!r} ({hint})")
+        return known[name]
+
+    def sensors(self, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Points (n, 3) [m] and normals (n, 3) of its sensors.
+
+        Raises
+        ------
+        RecipeError
+            There are no such sensors, or a grid has no room.
+        """
+        known = self.recipe.sensors
+        if name not in known:
+            hint = suggestion(name, known) if known else "add [sensors.NAME]"
+            raise RecipeError(f"there are no sensors {name!r} ({hint})")
+        sensors = known[name]
+        if sensors.points_m is not None:
+            points = np.array(sensors.points_m, dtype=float)
+        else:
+            points = self._grid(sensors, f"sensors.{name}")
+        return points, np.broadcast_to(np.array(sensors.normal, dtype=float), points.shape).copy()
+
+    def illuminance(
+        self,
+        sensors: str | None = None,
+        *,
+        points: NDArray[np.float64] | None = None,
+        normals: NDArray[np.float64] | None = None,
+        error: float = 0.01,
+        samples: int | None = None,
+        seed: int = 1,
+        progress: Callable[[float], object] | None = None,
+    ) -> Illuminance:
+        """Illuminance at sensors, with standard errors.
+
+        Parameters
+        ----------
+        sensors
+            A name of the recipe's sensors; or give `points` and `normals`, (n, 3) each [m].
+        error
+            Relative standard error to reach at the mean of the sensors.
+        samples
+            Paths a sensor, instead.
+        seed
+            Of the random numbers: the same seed gives the same numbers for any number of threads.
+        progress
+            Called with the share that is done.
+        """
+        from clerestory.room.illuminance import measure
+
+        if sensors is not None:
+            points, normals = self.sensors(sensors)
+        if points is None or normals is None:
+            raise RecipeError("which sensors is not said (give a name, or points and normals)")
+        return measure(self._core, points, normals, error=error, samples=samples, seed=seed, progress=progress)
+
+    def picture(
+        self,
+        view: str | keys.View,
+        *,
+        noise: float = 0.05,
+        samples: int | None = None,
+        seconds: float | None = None,
+        seed: int = 1,
+        progress: Callable[[float], object] | None = None,
+    ) -> Rendering:
+        """A picture of radiance, with its noise.
+
+        Parameters
+        ----------
+        view
+            A name of the recipe's views, or a view.
+        noise
+            Relative noise of a pixel to reach, as a mean over the picture weighted by luminance.
+        samples
+            Paths a pixel, instead.
+        seconds
+            Time after which no further pass is begun.
+        seed
+            Of the random numbers: the same seed and number of paths give the same picture for any number of threads.
+        progress
+            Called with the share that is done.
+        """
+        from clerestory.room.picture import render
+
+        chosen = self.view(view) if isinstance(view, str) else view
+        return render(
+            self._core, self, chosen, noise=noise, samples=samples, seconds=seconds, seed=seed, progress=progress
+        )
+
+    def _grid(self, sensors: keys.Sensors, key: str) -> NDArray[np.float64]:
+        box, height = self.recipe.room, sensors.height_m
+        assert box is not None and height is not None  # noqa: S101 (the recipe was checked)
+        rows = []
+        for length in (box.width_m, box.depth_m):
+            inner = length - 2.0 * sensors.margin_m
+            if inner <= 0.0:
+                raise RecipeError(f"{key}.margin_m: leaves nothing of {length:g} m (lower it)")
+            count = int(np.ceil(inner / sensors.spacing_m - 1e-9)) + 1
+            rows.append(sensors.margin_m + np.linspace(0.0, inner, max(count, 2)))
+        x, y = np.meshgrid(*rows)
+        return np.column_stack([x.ravel(), y.ravel(), np.full(x.size, height)])
+
+    def _add(self, quads: Quads) -> None:
+        corners = quads.corners.reshape(-1, 3)
+        first = 4 * np.arange(len(quads.corners), dtype=np.int64)[:, None]
+        triangles = np.concatenate([first + [0, 1, 2], first + [0, 2, 3]])
+        surface = self._surface(quads.name, self._material(quads.material, f"room.{quads.name}"))
+        self._shapes.triangles(quads.name, surface, np.ascontiguousarray(corners), np.ascontiguousarray(triangles))
+
+    def _surface(self, name: str, material: str) -> int:
+        number = self._shapes.surface(name)
+        if number == len(self._surfaces):
+            index = list(self._specs).index(material)
+            self._surfaces.append(((index, index), (0, 0)))
+        return number
+
+    def _material(self, given: str | float, key: str) -> str:
+        """Name of a material; a reflectance becomes one."""
+        if isinstance(given, str):
+            if given not in self._specs:
+                known = [m for m in self._specs if not m.startswith("reflectance ")]
+                hint = suggestion(given, known) if known else f"add [materials.{given}]"
+                raise RecipeError(f"{key}: there is no material {given!r} ({hint})")
+            return given
+        name = f"reflectance {given:g}"
+        self._specs.setdefault(name, Spec("lambertian", {"reflectance": [given] * 3, "transmittance": [0.0] * 3}))
+        return name
+
+    def _add_file(self, geometry: keys.Geometry, key: str) -> None:
+        raise NotImplementedError
+
+    def _made(self) -> _core.Room:
+        media = [Medium(index=1.0).spec(CHANNELS, AIR)]
+        materials = [spec.for_core(self._specs) for spec in self._specs.values()]
+        windows = [
+            (w.name, w.corners.tolist(), self._bsdfs[w.system][0]._core, self._bsdfs[w.system][1], [0.0, 0.0, 1.0])
+            for w in self.windows
+        ]
+        lights = [
+            (name, light.corners_m, [light.luminance / EFFICACY] * 3) for name, light in self.recipe.lights.items()
+        ]
+        try:
+            return _core.Room(self._shapes, self._surfaces, materials, media, windows, lights, self.sky._core)
+        except _core.ClerestoryError as error:
+            raise RecipeError(str(error)) from error
+
+
+def _sky(recipe: Recipe) -> Sky:
+    """The sky that a recipe describes."""
+    from clerestory.sky import Place, Sky, SunPosition
+
+    given = recipe.sky
+    options: dict[str, Any] = {name: getattr(given, name) for name in LEVELS if getattr(given, name) is not None}
+    options |= {
+        "preset": given.preset,
+        "ground_reflectance": given.ground_reflectance,
+        "north_deg": given.north_deg,
+    }
+    sun: Any = None
+    try:
+        if given.time is not None and recipe.place is not None:
+            place = Place(recipe.place.latitude, recipe.place.longitude, recipe.place.timezone)
+            method = "radiance" if given.preset == "radiance" else "spa"
+            sun = SunPosition.at(place, given.time, method=method)
+        elif given.sun_deg is not None:
+            sun = (given.sun_deg[0], given.sun_deg[1])
+        if given.kind == "cie":
+            return Sky.cie(given.type or 0, sun, **options)
+        make = getattr(Sky, given.kind)
+        made: Sky = make(**options) if sun is None else make(sun, **options)
+    except TypeError as error:
+        raise RecipeError(f"sky: {error}") from error
+    except _core.ClerestoryError as error:
+        raise RecipeError(f"sky: {error}") from error
+    return made
+
+
+def _system(given: keys.System, key: str, folder: Path) -> tuple[Bsdf, list[str | None]]:
+    """The data set of a window, and its band for each channel."""
+    from clerestory.files import read
+    from clerestory.system import pane_from_normal
+
+    if given.glass is not None:
+        r = ((1.52 - 1.0) / (1.52 + 1.0)) ** 2
+        reflectance = 2.0 * r / (1.0 + r) if given.glass_reflectance is None else given.glass_reflectance
+        try:
+            return pane_from_normal(min(given.glass, 1.0 - reflectance), reflectance), [None] * 3
+        except _core.ClerestoryError as error:
+            raise RecipeError(f"{key}.glass: {error}") from None
+    path = folder / str(given.file)
+    try:
+        bsdf = read(path)
+        bsdf = bsdf.flipped() if given.flipped else bsdf
+        if given.treatment.startswith("klems"):
+            bsdf = bsdf.to_matrix("klems-full")
+        if given.treatment.endswith("peaks"):
+            bsdf = bsdf.separate_peaks()
+        return bsdf, [given.band] * 3
+    except FileNotFoundError:
+        raise RecipeError(f"{key}.file: {path} does not exist (check it; it is relative to the recipe)") from None
+    except (OSError, _core.ClerestoryError) as error:
+        raise RecipeError(f"{key}.file: {error}") from None
+
+
+def load(source: str | os.PathLike[str] | Mapping[str, Any] | Room) -> Room:
+    """A room from a recipe.
+
+    Parameters
+    ----------
+    source
+        A TOML file, the name of a room that comes with Clerestory (`names` lists them), or tables as TOML has them.
+
+    Raises
+    ------
+    RecipeError
+        The text names file, key, what is wrong and the remedy.
+    OSError
+        A file cannot be read.
+    """
+    if isinstance(source, Room):
+        return source
+    if isinstance(source, Mapping):
+        return Room(Recipe.of(source))
+    path = Path(source)
+    shipped = path_of(str(source)) if not path.suffix else None
+    if shipped is None and not path.suffix and not path.exists():
+        hint = suggestion(str(source), names())
+        raise RecipeError(f"{source}: no room has this name ({hint}; `clerestory render --list` tells more)")
+    path = shipped or path
+    try:
+        return Room(Recipe.of(read_toml(path)), path.parent)
+    except RecipeError as error:
+        raise RecipeError(f"{source}: {error}") from None
