@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -11,7 +10,7 @@ import numpy as np
 import pytest
 
 from clerestory import room
-from samples import DATA
+from samples import ABSENT, sample_root, unpacked
 
 room_radiance = pytest.importorskip("room_radiance", reason="pyradiance is not installed")
 
@@ -53,11 +52,10 @@ def both(case: Case, folder: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray, 
         transmissivity = (math.sqrt(0.8402528435 + 0.0072522239 * 0.8**2) - 0.9166530661) / 0.0036261119 / 0.8
         material = f"void glass window 0 0 3 {transmissivity} {transmissivity} {transmissivity}"
     else:
-        path = DATA / case.file
-        if not path.exists():
-            pytest.skip(f"sample data absent: {case.file}")
-        data = path.read_bytes()
-        (folder / "window.xml").write_bytes(gzip.decompress(data) if path.suffix == ".gz" else data)
+        root = sample_root()
+        if root is None:
+            pytest.skip(ABSENT)
+        (folder / "window.xml").write_bytes(unpacked(root / case.file, folder).read_bytes())
         system = {"file": str(folder / "window.xml"), "treatment": "high-peaks" if case.peaks else "high"}
         kind, first = ("aBSDF", "5") if case.peaks else ("BSDF", "6 0")
         material = f"void {kind} window {first} window.xml 0 0 1 . 0 0"

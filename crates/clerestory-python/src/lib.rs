@@ -14,8 +14,8 @@ mod model;
 mod npz;
 mod picture;
 mod room;
-mod sky;
 mod room_scene;
+mod sky;
 mod system;
 mod trace;
 mod trace_material;
@@ -46,9 +46,9 @@ mod _core {
     #[pymodule_export]
     use crate::room::{PyRoom, PyRoomPicture, PyRoomShapes};
     #[pymodule_export]
-    use crate::sky::{PySky, PySkyPatches, cie_names, gensky_factor, sun_by_radiance};
-    #[pymodule_export]
     use crate::room_scene::read_room_scene;
+    #[pymodule_export]
+    use crate::sky::{PySky, PySkyPatches, cie_names, gensky_factor, sun_by_radiance};
     #[pymodule_export]
     use crate::system::PySystem;
     #[pymodule_export]

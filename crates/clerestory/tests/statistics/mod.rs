@@ -3,14 +3,11 @@
 use std::f64::consts::PI;
 
 use clerestory::material::Draws;
+use clerestory::sequence::mix;
 
 /// Numbers without the lattice of the first dimensions: the test asks for draws that know nothing of each other.
 pub fn random(key: u64, index: u32) -> Draws {
-    let mut draws = Draws::new(key, index);
-    for _ in 0..64 {
-        draws.next();
-    }
-    draws
+    Draws::new(mix(key << 32 | u64::from(index)), 0)
 }
 
 /// Chance that chi-squared with `degrees` of freedom is as large, by Wilson and Hilferty's (1931) approximation.
