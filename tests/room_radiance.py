@@ -92,7 +92,7 @@ def octree(room: Room, material: str, folder: Path, *, sun: bool) -> None:
 def illuminance(folder: Path, points: np.ndarray, normals: np.ndarray, *, divisions: int, bounces: int) -> np.ndarray:
     """Illuminance (n,) [lx] by rtrace without its ambient cache."""
     rows = "\n".join(" ".join(f"{v:.9g}" for v in (*p, *n)) for p, n in zip(points, normals, strict=True))
-    options = f"-h -I -n 2 -ab {bounces} -ad {divisions} -as 0 -aa 0 -lw {0.1 / divisions:.3g} -lr {bounces + 4}"
+    options = f"-h -I -n 2 -ab {bounces} -ad {divisions} -as 0 -aa 0 -lw {0.1 / divisions:.3g} -lr -{bounces + 4}"
     quality = "-ds .05 -dj .8 -dt 0 -dc 1 -st 0 -ss 4 -u+"
     found = run("rtrace", *options.split(), *quality.split(), "scene.oct", folder=folder, data=rows)
     values = np.array([[float(v) for v in line.split()] for line in found.decode().splitlines() if line.strip()])
