@@ -8,9 +8,11 @@ mod bsdf;
 mod compare;
 mod convert;
 mod errors;
+mod glare;
 mod jobs;
 mod model;
 mod npz;
+mod picture;
 mod sky;
 mod system;
 mod trace;
@@ -34,9 +36,13 @@ mod _core {
     #[pymodule_export]
     use crate::compare::distances;
     #[pymodule_export]
+    use crate::glare::{PyLens, glare_preset, rate_glare};
+    #[pymodule_export]
     use crate::model::PyModel;
     #[pymodule_export]
-    use crate::sky::{PySky, PySkyPatches, cie_names, gensky_factor, sun_by_radiance};
+    use crate::picture::{PyPicture, PyView};
+    #[pymodule_export]
+    use crate::sky::{PySky, PySkyPatches, cie_names, gensky_factor, sky_picture, sun_by_radiance};
     #[pymodule_export]
     use crate::system::PySystem;
     #[pymodule_export]

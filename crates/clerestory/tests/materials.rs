@@ -6,8 +6,11 @@ use clerestory::basis::Basis;
 use clerestory::bsdf::{Band, Bsdf, Lambertian, Matrix, Metadata, Model, Specular, Sum};
 use clerestory::direction::{Disk, Scatter, Side};
 use clerestory::geometry::Vec3;
-use clerestory::material::{Arrival, Draws, LobeValues, Material, Medium, Polarisation};
+use clerestory::material::{Arrival, LobeValues, Material, Medium, Polarisation};
 use std::sync::Arc;
+
+mod statistics;
+use statistics::{chance, random};
 
 /// Bands of every material here.
 const N: usize = 2;
@@ -177,15 +180,6 @@ impl Drawn {
     }
 }
 
-/// Numbers without the lattice of the first dimensions: the test asks for draws that know nothing of each other.
-fn random(key: u64, index: u32) -> Draws {
-    let mut draws = Draws::new(key, index);
-    for _ in 0..64 {
-        draws.next();
-    }
-    draws
-}
-
 fn drawn(case: &Case, arrival: &Arrival<'_>, key: u64) -> Drawn {
     let mut result = Drawn {
         n: DRAWS,
@@ -230,34 +224,6 @@ fn drawn(case: &Case, arrival: &Arrival<'_>, key: u64) -> Drawn {
         }
     }
     result
-}
-
-/// Chance that chi-squared with `degrees` of freedom is as large, by Wilson and Hilferty's (1931) approximation.
-fn chance(chi2: f64, degrees: f64) -> f64 {
-    let spread = 2.0 / (9.0 * degrees);
-    let z = ((chi2 / degrees).cbrt() - (1.0 - spread)) / spread.sqrt();
-    0.5 * erfc(z / std::f64::consts::SQRT_2)
-}
-
-/// Complementary error function, by its series and its continued fraction (Abramowitz and Stegun 7.1.5, 7.1.14).
-fn erfc(x: f64) -> f64 {
-    if x < 0.0 {
-        return 2.0 - erfc(-x);
-    }
-    if x < 2.0 {
-        let mut term = x;
-        let mut sum = x;
-        for n in 1..60 {
-            term *= -x * x / f64::from(n);
-            sum += term / f64::from(2 * n + 1);
-        }
-        return 1.0 - 2.0 / PI.sqrt() * sum;
-    }
-    let mut tail = 0.0;
-    for k in (1..60).rev() {
-        tail = 0.5 * f64::from(k) / (x + tail);
-    }
-    (-x * x).exp() / (PI.sqrt() * (x + tail))
 }
 
 /// Chance of what was drawn under what was expected, of one band. Cells of less than five draws are pooled. `factor`

@@ -10,11 +10,7 @@ pub(super) fn choose<const N: usize, const K: usize>(
     ways: &[[f64; N]; K],
     draws: &mut Draws,
 ) -> Option<usize> {
-    let mut takes = [0.0; K];
-    for (take, way) in takes.iter_mut().zip(ways) {
-        *take = weight.iter().zip(way).map(|(w, s)| w * s).sum();
-    }
-    let sum: f64 = takes.iter().sum();
+    let (takes, sum) = takes(weight, ways);
     if sum <= 0.0 {
         return None;
     }
@@ -24,6 +20,23 @@ pub(super) fn choose<const N: usize, const K: usize>(
         *w *= s * factor;
     }
     Some(way)
+}
+
+/// The probability of each way that [`choose`] has; all 0 when no way takes anything.
+#[inline]
+pub(super) fn chances<const N: usize, const K: usize>(weight: &[f64; N], ways: &[[f64; N]; K]) -> [f64; K] {
+    let (takes, sum) = takes(weight, ways);
+    takes.map(|take| if sum > 0.0 { take / sum } else { 0.0 })
+}
+
+/// What each way takes of all bands together, and what all ways take.
+#[inline]
+fn takes<const N: usize, const K: usize>(weight: &[f64; N], ways: &[[f64; N]; K]) -> ([f64; K], f64) {
+    let mut takes = [0.0; K];
+    for (take, way) in takes.iter_mut().zip(ways) {
+        *take = weight.iter().zip(way).map(|(w, s)| w * s).sum();
+    }
+    (takes, takes.iter().sum())
 }
 
 /// Draws a place of a list with probability in proportion to its value; nothing is drawn when only one is above 0.
@@ -52,10 +65,12 @@ mod tests {
     fn each_way_gets_its_share_of_every_band() {
         let ways = [[0.1, 0.5], [0.0, 0.0], [0.6, 0.2]];
         let mut sums = [[0.0; 2]; 3];
+        let mut counts = [0.0; 3];
         let n = 1 << 14;
         for k in 0..n {
             let (mut weight, mut draws) = ([1.0, 0.5], Draws::new(1, k));
             let way = choose(&mut weight, &ways, &mut draws).expect("there is one");
+            counts[way] += 1.0 / f64::from(n);
             for b in 0..2 {
                 assert!(weight[b] <= 1.5);
                 sums[way][b] += weight[b] / f64::from(n);
@@ -64,6 +79,10 @@ mod tests {
         for (sum, way) in sums.iter().zip(&ways) {
             assert!((sum[0] - way[0]).abs() < 1e-3 && (sum[1] - 0.5 * way[1]).abs() < 1e-3);
         }
+        for (count, chance) in counts.iter().zip(chances(&[1.0, 0.5], &ways)) {
+            assert!((count - chance).abs() < 1e-3, "{count} {chance}");
+        }
+        assert_eq!(chances(&[1.0], &[[0.0], [0.0]]), [0.0; 2]);
         assert_eq!(choose(&mut [1.0], &[[0.0], [0.0]], &mut Draws::new(1, 0)), None);
     }
 }

@@ -1,7 +1,7 @@
 //! A rough conductor: facets of the distribution GGX that reflect by Schlick's approximation (1994) of Fresnel's equations.
 //! Reciprocal and energy-conserving; light that would meet a second facet is absorbed.
 
-use super::microfacet::{LEAST_COS, SMOOTH, density, facet, shadowing, shadowing_ratio};
+use super::microfacet::{LEAST_COS, SMOOTH, density, facet, seen_density, shadowing, shadowing_ratio};
 use super::{Arrival, Departure, Draws, check, mirrored};
 use crate::error::Result;
 use crate::geometry::Vec3;
@@ -52,6 +52,16 @@ impl Ggx {
         let half = (outgoing - arrival.direction).unit();
         let lobe = density(alpha, half.dot(arrival.normal)) * shadowing(alpha, cos, cos_out) / (4.0 * cos * cos_out);
         self.fresnel(half.dot(outgoing)).map(|f: f64| f * lobe)
+    }
+
+    /// Density of departures (1/sr), which all bands share.
+    pub(super) fn density(&self, arrival: &Arrival<'_>, outgoing: Vec3) -> f64 {
+        if self.roughness == 0.0 || outgoing.dot(arrival.normal) <= LEAST_COS {
+            return 0.0;
+        }
+        let half = (outgoing - arrival.direction).unit();
+        let seen = half.dot(outgoing);
+        seen_density(self.roughness, arrival.cos(), half.dot(arrival.normal), seen) / (4.0 * seen)
     }
 
     pub(super) fn scatter<const N: usize>(

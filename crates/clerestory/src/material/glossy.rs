@@ -12,9 +12,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::choice::choose;
+use super::choice::{chances, choose};
 use super::haze::Haze;
-use super::lambertian::diffuse;
+use super::lambertian::{self, diffuse};
 use super::{Arrival, Departure, Draws, check, mirrored};
 use crate::error::Result;
 use crate::geometry::Vec3;
@@ -129,6 +129,20 @@ impl Glossy {
         std::array::from_fn(|b| even[b] / PI + specular[b] * lobe)
     }
 
+    /// Density of departures that are not beams (1/sr).
+    pub(super) fn density<const N: usize>(&self, arrival: &Arrival<'_>, weight: &[f64; N], outgoing: Vec3) -> f64 {
+        let chances = chances(weight, &self.ways(arrival.cos()));
+        let even = lambertian::density([chances[DIFFUSE_BACK], chances[DIFFUSE_ON]], arrival, outgoing);
+        let passes = outgoing.dot(arrival.normal) <= 0.0;
+        let lobe = match &self.haze {
+            _ if self.roughness == 0.0 => 0.0,
+            Some(haze) if passes => chances[SPECULAR_ON] * haze.density(arrival.direction.dot(outgoing)),
+            _ if passes => 0.0,
+            _ => chances[SPECULAR_BACK] * ward_density(self.roughness, arrival, outgoing),
+        };
+        even + lobe
+    }
+
     pub(super) fn scatter<const N: usize>(
         &self,
         arrival: &Arrival<'_>,
@@ -184,6 +198,14 @@ fn ward(roughness: f64, incident: Vec3, outgoing: Vec3, normal: Vec3) -> f64 {
     let z2 = half.dot(normal).powi(2);
     let alpha2 = roughness * roughness;
     (-(length2 - z2) / (z2 * alpha2)).exp() * length2 / (PI * alpha2 * z2 * z2)
+}
+
+/// Density of [`sample_ward`] (1/sr): that of the half vectors over their Jacobian, 4 times the cosine to them.
+fn ward_density(roughness: f64, arrival: &Arrival<'_>, outgoing: Vec3) -> f64 {
+    let half = (outgoing - arrival.direction).unit();
+    let (z, seen) = (half.dot(arrival.normal), half.dot(outgoing));
+    let alpha2 = roughness * roughness;
+    (-(1.0 - z * z) / (z * z * alpha2)).exp() / (PI * alpha2 * z.powi(3) * 4.0 * seen)
 }
 
 /// A direction of Ward's lobe and BSDF times cosine over density; none where the half vector mirrors below the horizon.

@@ -76,6 +76,11 @@ impl Haze {
         self.held(cos) * lobe / (cos * cos_out).max(1e-18).sqrt()
     }
 
+    /// Density of [`Haze::sample`] (1/sr) by the cosine of the angle to the way straight on.
+    pub(super) fn density(&self, along: f64) -> f64 {
+        self.sharpness / (TAU * self.whole()) * (self.sharpness * (along - 1.0)).exp()
+    }
+
     /// A direction and BSDF times cosine over density; none where it does not pass.
     pub(super) fn sample(&self, arrival: &Arrival<'_>, cos: f64, u: [f64; 2]) -> Option<(Vec3, f64)> {
         let along = self.cos_along(u[0]);

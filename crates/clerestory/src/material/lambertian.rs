@@ -50,6 +50,12 @@ pub(super) fn diffuse(arrival: &Arrival<'_>, passes: bool, u: [f64; 2]) -> Depar
     }
 }
 
+/// Density of directions of even scattering to both sides (1/sr), by the probabilities that light returns and that it passes.
+pub(super) fn density([back, on]: [f64; 2], arrival: &Arrival<'_>, outgoing: Vec3) -> f64 {
+    let cos = outgoing.dot(arrival.normal);
+    if cos > 0.0 { back * cos / PI } else { on * -cos / PI }
+}
+
 /// BSDF of even scattering (1/sr).
 pub(super) fn evaluate<const N: usize>(
     reflectance: &[f64],

@@ -10,8 +10,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::choice::choose;
-use super::lambertian::diffuse;
+use super::choice::{chances, choose};
+use super::lambertian::{self, diffuse};
 use super::{Arrival, Departure, Draws, check};
 use crate::error::Result;
 use crate::geometry::Vec3;
@@ -79,6 +79,12 @@ impl Abg {
         self.sums[k] + share * (self.sums[k + 1] - self.sums[k])
     }
 
+    /// What stands for the lobe where directions are drawn: its mean over the cell.
+    fn drawn(&self, u: f64) -> f64 {
+        let k = self.cell(u);
+        (self.sums[k + 1] - self.sums[k]) * 2.0 / (self.edges[k + 1].powi(2) - self.edges[k].powi(2))
+    }
+
     /// A distance up to `most`, and the lobe there over the density that it is drawn with, which is even within a cell.
     fn sample(&self, most: f64, xi: f64) -> (f64, f64) {
         let target = xi * self.integral(most);
@@ -103,6 +109,14 @@ impl Shape {
         match self {
             Self::Gaussian { width } => -width * width * (-0.5 * (u / width).powi(2)).exp_m1(),
             Self::Abg(abg) => abg.integral(u),
+        }
+    }
+
+    /// The lobe as it is drawn; its integral is that of [`Shape::integral`].
+    fn drawn(&self, u: f64) -> f64 {
+        match self {
+            Self::Gaussian { .. } => self.value(u),
+            Self::Abg(abg) => abg.drawn(u),
         }
     }
 
@@ -205,20 +219,36 @@ impl Lobe {
         self.values[0].len()
     }
 
+    /// Integral of the lobe over the disk.
+    fn integral(&self, arrival: &Arrival<'_>) -> f64 {
+        let x = arrival.cos() * STEPS as f64;
+        let k = (x as usize).min(STEPS - 1);
+        let t = x - k as f64;
+        self.integrals[k] * (1.0 - t) + self.integrals[k + 1] * t
+    }
+
     pub(super) fn evaluate<const N: usize>(&self, arrival: &Arrival<'_>, outgoing: Vec3) -> [f64; N] {
         let (even, lobe) = if outgoing.dot(arrival.normal) > 0.0 {
             (DIFFUSE_BACK, LOBE_BACK)
         } else {
             (DIFFUSE_ON, LOBE_ON)
         };
-        let off = outgoing - arrival.direction;
-        let distance = (off - arrival.normal * off.dot(arrival.normal)).length();
-        let x = arrival.cos() * STEPS as f64;
-        let k = (x as usize).min(STEPS - 1);
-        let t = x - k as f64;
-        let integral = self.integrals[k] * (1.0 - t) + self.integrals[k + 1] * t;
-        let shape = self.shape.value(distance) / integral;
+        let shape = self.shape.value(distance(arrival, outgoing)) / self.integral(arrival);
         std::array::from_fn(|b| self.values[even][b] / PI + self.values[lobe][b] * shape)
+    }
+
+    /// Density of departures (1/sr).
+    pub(super) fn density<const N: usize>(&self, arrival: &Arrival<'_>, weight: &[f64; N], outgoing: Vec3) -> f64 {
+        let chances = chances(weight, &self.ways());
+        let even = lambertian::density([chances[DIFFUSE_BACK], chances[DIFFUSE_ON]], arrival, outgoing);
+        let cos_out = outgoing.dot(arrival.normal);
+        let lobe = chances[if cos_out > 0.0 { LOBE_BACK } else { LOBE_ON }];
+        even + lobe * self.shape.drawn(distance(arrival, outgoing)) / self.integral(arrival) * cos_out.abs()
+    }
+
+    /// Shares of light that go each way, a band each.
+    fn ways<const N: usize>(&self) -> [[f64; N]; 4] {
+        std::array::from_fn(|way| std::array::from_fn(|b| self.values[way][b]))
     }
 
     pub(super) fn scatter<const N: usize>(
@@ -228,7 +258,7 @@ impl Lobe {
         absorbed: &mut [f64; N],
         draws: &mut Draws,
     ) -> Option<Departure> {
-        let ways: [[f64; N]; 4] = std::array::from_fn(|way| std::array::from_fn(|b| self.values[way][b]));
+        let ways = self.ways::<N>();
         for b in 0..N {
             absorbed[b] = weight[b] * (1.0 - ways.iter().map(|way| way[b]).sum::<f64>());
         }
@@ -262,4 +292,10 @@ impl Lobe {
         }
         None
     }
+}
+
+/// Distance of a direction from the specular one, in direction cosines.
+fn distance(arrival: &Arrival<'_>, outgoing: Vec3) -> f64 {
+    let off = outgoing - arrival.direction;
+    (off - arrival.normal * off.dot(arrival.normal)).length()
 }

@@ -117,6 +117,13 @@ impl Measured {
         values
     }
 
+    /// Density of departures that are not peaks (1/sr), which all bands share.
+    pub(super) fn density(&self, arrival: &Arrival<'_>, outgoing: Vec3) -> f64 {
+        let frame = self.frame(arrival.normal);
+        self.lobes
+            .pdf(local(&frame, -arrival.direction), local(&frame, outgoing))
+    }
+
     pub(super) fn beams<const N: usize>(&self, arrival: &Arrival<'_>) -> Vec<Beam<N>> {
         let frame = self.frame(arrival.normal);
         let incident = local(&frame, -arrival.direction).incident_disk();

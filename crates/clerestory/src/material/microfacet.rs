@@ -33,6 +33,14 @@ pub(super) fn shadowing_ratio(alpha: f64, cos: f64, cos_out: f64) -> f64 {
     seen / (seen + lambda(alpha, cos_out))
 }
 
+/// Density of the facets that [`facet`] draws (1/sr), by the cosine of their normal to the surface's and to the light's
+/// source, which is above 0, and the cosine of the angle of incidence.
+pub(super) fn seen_density(alpha: f64, cos: f64, cos_facet: f64, cos_seen: f64) -> f64 {
+    // Share of facets that are seen over the cosine, 1/((1 + Λ) cosθ), without its 0/0 at grazing incidence.
+    let tilted = alpha * alpha * (1.0 - cos * cos).max(0.0);
+    density(alpha, cos_facet) * cos_seen * 2.0 / (cos + (cos * cos + tilted).sqrt())
+}
+
 /// Normal of a facet that light toward whose source `incident` points can see, drawn by the area that it shows (Heitz 2018,
 /// "Sampling the GGX distribution of visible normals", JCGT 7(4)).
 pub(super) fn facet(alpha: f64, incident: Vec3, normal: Vec3, u: [f64; 2]) -> Vec3 {
@@ -79,6 +87,35 @@ mod tests {
                 })
                 .sum();
             assert!((sum - 1.0).abs() < 1e-6, "{alpha}: {sum}");
+        }
+    }
+
+    #[test]
+    fn seen_facets_cover_the_light_once() {
+        for (alpha, cos) in [(0.2, 0.9), (0.5, 0.3), (1.0, 0.02)] {
+            let incident = Vec3::new((1.0_f64 - cos * cos).sqrt(), 0.0, cos);
+            let n = 1500;
+            let mut sum = 0.0;
+            for a in 0..n {
+                for b in 0..n {
+                    // By the facets' projected area, denser toward upright ones.
+                    let v = (f64::from(a) + 0.5) / f64::from(n);
+                    let u = 1.0 - v * v;
+                    let tan2 = alpha * alpha * u / (1.0 - u);
+                    let z = (1.0 / (1.0 + tan2)).sqrt();
+                    let (sin, cos_phi) = ((f64::from(b) + 0.5) / f64::from(n) * TAU).sin_cos();
+                    let r = (1.0 - z * z).sqrt();
+                    let seen = Vec3::new(r * cos_phi, r * sin, z).dot(incident);
+                    if seen > 0.0 {
+                        sum += seen_density(alpha, cos, z, seen) / (density(alpha, z) * z) * 2.0 * v;
+                    }
+                }
+            }
+            sum /= f64::from(n * n);
+            assert!((sum - 1.0).abs() < 2e-3, "{alpha} {cos}: {sum}");
+            let one = 1.0 / (1.0 + lambda(alpha, cos)) / cos;
+            let same = seen_density(alpha, cos, 0.7, 0.4) / (density(alpha, 0.7) * 0.4);
+            assert!((same / one - 1.0).abs() < 1e-9, "{alpha} {cos}: {same} {one}");
         }
     }
 

@@ -68,6 +68,15 @@ impl Mixture {
         values
     }
 
+    /// Density of departures that are not beams (1/sr).
+    pub(super) fn density<const N: usize>(&self, arrival: &Arrival<'_>, weight: &[f64; N], outgoing: Vec3) -> f64 {
+        let parts = self.shares.iter().zip(&self.parts).filter(|(share, _)| **share > 0.0);
+        // None of them where the sum is 0.
+        parts
+            .map(|(share, part)| share / self.sum * part.density(arrival, weight, outgoing))
+            .sum()
+    }
+
     pub(super) fn beams<const N: usize>(&self, arrival: &Arrival<'_>) -> Vec<Beam<N>> {
         let mut beams: Vec<Beam<N>> = Vec::new();
         for (share, part) in self.shares.iter().zip(&self.parts) {

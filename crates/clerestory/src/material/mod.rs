@@ -301,6 +301,28 @@ impl Material {
         }
     }
 
+    /// Density (1/sr) with which [`Material::scatter`] sends light that carries `weight` along `outgoing`, beams apart; 0 where
+    /// it cannot. It integrates to the probability of a departure that is not specular, and there the mean of the weights
+    /// along a direction is `weight` times BSDF times cosine over density.
+    pub fn density<const N: usize>(&self, arrival: &Arrival<'_>, weight: &[f64; N], outgoing: Vec3) -> f64 {
+        match self {
+            Self::Black | Self::Mirror { .. } | Self::Interface | Self::Pane(_) => 0.0,
+            Self::Lambertian {
+                reflectance,
+                transmittance,
+            } => {
+                let ways = [reflectance, transmittance].map(|values| std::array::from_fn(|b| values[b]));
+                lambertian::density(choice::chances(weight, &ways), arrival, outgoing)
+            }
+            Self::Glossy(glossy) => glossy.density(arrival, weight, outgoing),
+            Self::RoughInterface(alpha) => rough_interface::density(*alpha, arrival, weight, outgoing),
+            Self::Ggx(ggx) => ggx.density(arrival, outgoing),
+            Self::Lobe(lobe) => lobe.density(arrival, weight, outgoing),
+            Self::Measured(measured) => measured.density(arrival, outgoing),
+            Self::Mixture(mixture) => mixture.density(arrival, weight, outgoing),
+        }
+    }
+
     /// The beams, mirrored, straight on or refracted.
     pub fn beams<const N: usize>(&self, arrival: &Arrival<'_>) -> Vec<Beam<N>> {
         let two = |[back, on]: [[f64; N]; 2]| {

@@ -215,7 +215,7 @@ impl Conditions {
             } => {
                 check("a direct normal irradiance", direct_normal, "W/m²")?;
                 check("a diffuse horizontal irradiance", diffuse_horizontal, "W/m²")?;
-                self.from_irradiances(direct_normal, diffuse_horizontal)
+                self.of_irradiances(direct_normal, diffuse_horizontal)
             }
             Supply::Illuminance {
                 direct_normal,
@@ -223,17 +223,17 @@ impl Conditions {
             } => {
                 check("a direct normal illuminance", direct_normal, "lx")?;
                 check("a diffuse horizontal illuminance", diffuse_horizontal, "lx")?;
-                self.from_illuminances(direct_normal, diffuse_horizontal)
+                self.of_illuminances(direct_normal, diffuse_horizontal)
             }
             Supply::Global(global) => {
                 check("a global horizontal irradiance", global, "W/m²")?;
                 let (direct, diffuse) = self.divided(global)?;
-                self.from_irradiances(direct, diffuse)
+                self.of_irradiances(direct, diffuse)
             }
         }
     }
 
-    fn from_irradiances(&self, direct: f64, diffuse: f64) -> Result<Daylight> {
+    fn of_irradiances(&self, direct: f64, diffuse: f64) -> Result<Daylight> {
         if diffuse <= 0.0 {
             return Err(Error::Argument(
                 "the sky gives no diffuse light (give a diffuse horizontal irradiance above 0; a sun alone has no sky)"
@@ -254,14 +254,14 @@ impl Conditions {
     }
 
     /// Irradiances whose efficacies give the illuminances, by iteration.
-    fn from_illuminances(&self, direct: f64, diffuse: f64) -> Result<Daylight> {
+    fn of_illuminances(&self, direct: f64, diffuse: f64) -> Result<Daylight> {
         let steps = match self.preset {
             Preset::Radiance => 9,
             Preset::RadianceMatrix => 5,
             Preset::Clerestory => 60,
         };
         let guess = SOLAR_CONSTANT / SOLAR_ILLUMINANCE;
-        let mut made = self.from_irradiances(direct * guess, diffuse * guess)?;
+        let mut made = self.of_irradiances(direct * guess, diffuse * guess)?;
         for _ in 0..steps {
             let (to_direct, to_diffuse) = self.efficacies(made.clearness, made.brightness);
             if to_direct <= 0.0 && direct > 0.0 {
@@ -270,7 +270,7 @@ impl Conditions {
                 )));
             }
             let direct_irradiance = if direct > 0.0 { direct / to_direct } else { 0.0 };
-            made = self.from_irradiances(direct_irradiance, diffuse / to_diffuse)?;
+            made = self.of_irradiances(direct_irradiance, diffuse / to_diffuse)?;
         }
         // Efficacies jump from bin to bin, so that the last step may not have arrived; what was given is kept.
         Ok(Daylight {

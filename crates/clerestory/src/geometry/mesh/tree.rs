@@ -333,7 +333,10 @@ fn measures(binary: &Bvh2, boxes: &[Bounds]) -> Vec<(u32, Bounds)> {
         let first = node.first_index as usize;
         if node.is_leaf() {
             let held = &binary.primitive_indices[first..first + node.prim_count as usize];
-            let bounds = held.iter().filter_map(|&k| boxes.get(k as usize).copied()).fold(nothing, joined);
+            let bounds = held
+                .iter()
+                .filter_map(|&k| boxes.get(k as usize).copied())
+                .fold(nothing, joined);
             measures[number] = (node.prim_count, bounds);
         } else if ready {
             let (a, b) = (measures[first], measures[first + 1]);
