@@ -345,7 +345,7 @@ pub fn cie_names() -> Vec<&'static str> {
 pub fn sky_picture<'py>(
     py: Python<'py>,
     pixels: PyReadonlyArray3<'py, f32>,
-    format: &str,
+    form: &str,
     header: Vec<String>,
 ) -> PyResult<Bound<'py, PyBytes>> {
     let &[height, width, 3] = pixels.shape() else {
@@ -360,7 +360,7 @@ pub fn sky_picture<'py>(
     let mut picture = Picture::new(width, height, values).map_err(raise)?;
     picture.view = Some(View::parse("-vta -vp 0 0 0 -vd 0 0 1 -vu 0 1 0 -vh 180 -vv 180").map_err(raise)?);
     picture.header = header;
-    let bytes = match format {
+    let bytes = match form {
         "exr" => openexr::write(&picture).map_err(raise)?,
         _ => hdr::write(&picture),
     };
