@@ -195,13 +195,16 @@ def test_written_scenes_look_as_they_should(name, preset, tmp_path):
 
 
 STEPS = [(3, 21, 9.5, 700, 120), (6, 21, 12.0, 850, 110), (12, 21, 15.5, 300, 80), (9, 23, 18.0, 0, 25)]
-#: The sun nearly in the zenith, turbid and clear skies, a low sun.
+#: Turbid and clear skies, a low sun, the sun in the zenith, and light for which Perez's sky is undefined.
 TROPICS = [
     (3, 21, 12.0, 900, 80),
     (3, 22, 12.1, 200, 400),
     (4, 1, 6.5, 30, 40),
     (10, 5, 9.0, 500, 90),
     (7, 1, 17.0, 5, 60),
+    (3, 21, 12.3, 90, 20),
+    (3, 21, 12.3, 1300, 300),
+    (3, 21, 12.3, 60, 30),
 ]
 
 

@@ -347,3 +347,14 @@ def test_preetham_is_as_published():
     scale = np.linalg.solve(primaries, np.array([0.3333, 0.3333, 0.3334]) / 0.3333)
     xyz = primaries * scale @ sky.radiance(toward)
     assert xyz[:2] / xyz.sum() == pytest.approx([x, y], abs=1e-6)
+
+
+@pytest.mark.parametrize("altitude", [0.5, 2, 20, 60, 85, 89.9])
+@pytest.mark.parametrize(("direct", "diffuse"), [(60, 30), (900, 60), (5, 3), (1000, 5), (0, 1), (0, 600), (1300, 300)])
+def test_any_light_has_a_sky(altitude, direct, diffuse):
+    """Also where Perez's coefficients are not sound."""
+    sky = Sky.perez((altitude, 77.0), direct=direct, diffuse=diffuse, quantity="solar")
+    assert sky.irradiance(part="sky")[0] == pytest.approx(diffuse, rel=1e-6)
+    directions = np.random.default_rng(1).normal(size=(2000, 3))
+    assert np.all(np.isfinite(sky.radiance(directions)))
+    assert np.all(sky.radiance(directions) >= 0)

@@ -162,18 +162,23 @@ impl Sky {
         let settings = settings.checked()?;
         let about = match settings.preset {
             Preset::Radiance => moment.sun.no_higher_than(HIGHEST.to_radians()),
-            Preset::RadianceMatrix => moment.sun.no_lower_than(0.0),
+            Preset::RadianceMatrix => moment.sun.no_lower_than(0.0).no_higher_than(HIGHEST.to_radians()),
             Preset::Clerestory => moment.sun,
         };
         by_day(moment.sun)?;
         let conditions = conditions(moment, about, &settings);
         let daylight = conditions.daylight(supply)?;
         let lobed = conditions.distribution(daylight.clearness, daylight.brightness)?;
-        let distribution = Distribution::Lobed(lobed);
-        let share = match settings.preset {
+        let mut distribution = Distribution::Lobed(lobed);
+        let mut share = match settings.preset {
             Preset::Radiance => distribution.horizontal_by_tregenza(about.zenith_angle()),
             Preset::Clerestory | Preset::RadianceMatrix => distribution.horizontal(about.zenith_angle()),
         };
+        if share <= 0.0 {
+            // Only outside of what was fitted: the matrix program makes it uniform.
+            distribution = Distribution::UNIFORM;
+            share = PI;
+        }
         let (direct, diffuse) = watts(&daylight, settings.quantity);
         let scale = diffuse / share;
         let sun = disc(moment.sun, about, direct, &settings);
