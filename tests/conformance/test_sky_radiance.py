@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from clerestory import ClerestoryError, _core
-from clerestory.sky import Place, Sky, SunPosition
+from clerestory.cli import main
+from clerestory.sky import Place, Sky, SunPosition, read_weather
+from samples import ABSENT, sample_root
 
 pyradiance = pytest.importorskip("pyradiance", reason="pyradiance carries the reference programs")
 
@@ -193,13 +195,16 @@ def test_written_scenes_look_as_they_should(name, preset, tmp_path):
 
 
 STEPS = [(3, 21, 9.5, 700, 120), (6, 21, 12.0, 850, 110), (12, 21, 15.5, 300, 80), (9, 23, 18.0, 0, 25)]
-#: The sun nearly in the zenith, turbid and clear skies, a low sun.
+#: Turbid and clear skies, a low sun, the sun in the zenith, and light for which Perez's sky is undefined.
 TROPICS = [
     (3, 21, 12.0, 900, 80),
     (3, 22, 12.1, 200, 400),
     (4, 1, 6.5, 30, 40),
     (10, 5, 9.0, 500, 90),
     (7, 1, 17.0, 5, 60),
+    (3, 21, 12.3, 90, 20),
+    (3, 21, 12.3, 1300, 300),
+    (3, 21, 12.3, 60, 30),
 ]
 
 
@@ -270,3 +275,42 @@ def test_the_colour_is_gendaymtxs(tmp_path):
     place = Place(37.87, -122.27, -8.0)
     theirs = daymtx(tmp_path, STEPS, place, "-m", 1)
     assert ours(STEPS, place, "tregenza", colour="radiance") == pytest.approx(theirs, rel=1e-5)
+
+
+@pytest.mark.parametrize("suffix", ["hdr", "exr"])
+def test_pictures_show_the_sky_as_rpict_does(suffix, tmp_path, capsys):
+    """The file's own view, looked at by Radiance in our scene; the picture's sun aside."""
+    words = ["--sun", "35.9,125", "--direct", "0", "--diffuse", "120"]
+    assert main(["sky", "perez", *words, "-o", str(tmp_path / f"sky.{suffix}"), "--size", "64"]) == 0
+    if suffix == "exr":
+        assert (tmp_path / "sky.exr").read_bytes()[:4] == b"v/1\x01"
+        return
+    ours = np.array(run("pvalue", "-h", "-H", "-d", "sky.hdr", folder=tmp_path).split(), float).reshape(64, 64, 3)
+    sky = Sky.perez((35.9, 125.0), direct=0, diffuse=120)
+    (tmp_path / "sky.cal").write_text(sky.radiance_functions())
+    (tmp_path / "sky.rad").write_text(sky.radiance_description())
+    (tmp_path / "sky.oct").write_bytes(run("oconv", "sky.rad", folder=tmp_path))
+    rays = run("vwrays", "-fd", "-vf", "sky.hdr", "-x", "64", "-y", "64", "-pj", "0", folder=tmp_path)
+    directions = np.frombuffer(rays, "<f8").reshape(64, 64, 6)[..., 3:]
+    inside = (np.linalg.norm(directions, axis=-1) > 0.5) & (ours[..., 0] > 0)
+    assert inside.sum() > 3000
+    theirs = looked_at(sky.radiance_description(), tmp_path, directions[inside])
+    # RGBE keeps 8 bits.
+    assert np.abs(ours[inside] / theirs - 1).max() < 0.01
+
+
+def test_hours_of_a_year_are_gendaymtxs():
+    """Every 37th hour of a file with sun and sky, hours of sunset among them: sun, efficacy, patches together."""
+    root = sample_root()
+    if root is None:
+        pytest.skip(ABSENT)
+    path = root / "weather" / "oak.wea"
+    raw = run("gendaymtx", "-od", "-m", "1", "-c", "1", "1", "1", path)
+    theirs = np.frombuffer(raw[raw.index(b"\n\n") + 2 :], dtype="<f8").reshape(146, -1, 3)
+    weather = read_weather(path)
+    lit = [k for k, hour in enumerate(weather) if hour.diffuse > 0][::37]
+    # Sunsets whose sun is below the horizon and still shines.
+    lit += [2274, 7062]
+    for k in lit:
+        found = weather.sky(weather.hours[k], preset="radiance-matrix").patches()
+        assert np.abs(found - theirs[:, k]).max() < 1e-5 * theirs[:, k].max(), weather.hours[k]

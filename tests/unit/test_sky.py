@@ -296,3 +296,65 @@ def test_settings_are_kept(clear):
     assert settings.preset == "clerestory"
     assert clear.clearness == pytest.approx(4.1, abs=0.1)
     assert Sky.overcast((30, 0)).clearness is None
+
+
+def test_preetham_is_as_published():
+    """Y, x and y at a direction, with the paper's tables written out for T = 3 and a sun 50° from the zenith."""
+    t, zs = 3.0, math.radians(50.0)
+    sky = Sky.preetham((40.0, 180.0), turbidity=t)
+    zenith, azimuth = math.radians(65.0), math.radians(110.0)
+    toward = [math.sin(zenith) * math.sin(azimuth), math.sin(zenith) * math.cos(azimuth), math.cos(zenith)]
+    gamma = math.acos(np.dot(toward, SunPosition(40.0, 180.0).direction))
+
+    def f(a, b, c, d, e, theta, angle):
+        return (1 + a * math.exp(b / math.cos(theta))) * (1 + c * math.exp(d * angle) + e * math.cos(angle) ** 2)
+
+    luminous = (
+        0.1787 * t - 1.4630,
+        -0.3554 * t + 0.4275,
+        -0.0227 * t + 5.3251,
+        0.1206 * t - 2.5771,
+        -0.0670 * t + 0.3703,
+    )
+    red = (-0.0193 * t - 0.2592, -0.0665 * t + 0.0008, -0.0004 * t + 0.2125, -0.0641 * t - 0.8989, -0.0033 * t + 0.0452)
+    green = (
+        -0.0167 * t - 0.2608,
+        -0.0950 * t + 0.0092,
+        -0.0079 * t + 0.2102,
+        -0.0441 * t - 1.6537,
+        -0.0109 * t + 0.0529,
+    )
+    chi = (4 / 9 - t / 120) * (math.pi - 2 * zs)
+    at_zenith = 1000 * ((4.0453 * t - 4.9710) * math.tan(chi) - 0.2155 * t + 2.4192)
+    powers = np.array([zs**3, zs**2, zs, 1.0])
+    turbid = np.array([t**2, t, 1.0])
+    x_rows = [
+        [0.00166, -0.00375, 0.00209, 0],
+        [-0.02903, 0.06377, -0.03202, 0.00394],
+        [0.11693, -0.21196, 0.06052, 0.25886],
+    ]
+    y_rows = [
+        [0.00275, -0.00610, 0.00317, 0],
+        [-0.04214, 0.08970, -0.04153, 0.00516],
+        [0.15346, -0.26756, 0.06670, 0.26688],
+    ]
+    zeniths = (at_zenith, turbid @ x_rows @ powers, turbid @ y_rows @ powers)
+    tables = (luminous, red, green)
+    lum, x, y = (z * f(*c, zenith, gamma) / f(*c, 0.0, zs) for z, c in zip(zeniths, tables, strict=True))
+    assert sky.luminance(toward) == pytest.approx(lum, rel=1e-6)
+    # Back from Radiance's R, G and B: their X, Y and Z by its primaries, white 0.3333.
+    primaries = np.array([[0.640, 0.330, 0.030], [0.290, 0.600, 0.110], [0.150, 0.060, 0.790]]).T
+    scale = np.linalg.solve(primaries, np.array([0.3333, 0.3333, 0.3334]) / 0.3333)
+    xyz = primaries * scale @ sky.radiance(toward)
+    assert xyz[:2] / xyz.sum() == pytest.approx([x, y], abs=1e-6)
+
+
+@pytest.mark.parametrize("altitude", [0.5, 2, 20, 60, 85, 89.9])
+@pytest.mark.parametrize(("direct", "diffuse"), [(60, 30), (900, 60), (5, 3), (1000, 5), (0, 1), (0, 600), (1300, 300)])
+def test_any_light_has_a_sky(altitude, direct, diffuse):
+    """Also where Perez's coefficients are not sound."""
+    sky = Sky.perez((altitude, 77.0), direct=direct, diffuse=diffuse, quantity="solar")
+    assert sky.irradiance(part="sky")[0] == pytest.approx(diffuse, rel=1e-6)
+    directions = np.random.default_rng(1).normal(size=(2000, 3))
+    assert np.all(np.isfinite(sky.radiance(directions)))
+    assert np.all(sky.radiance(directions) >= 0)

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 
 _KINDS = ("perez", "cie", "overcast", "clear", "intermediate", "uniform", "preetham", "weather")
 _PICTURES = (".png", ".pdf", ".svg")
-_SUFFIXES = (".rad", ".csv", ".mtx", *_PICTURES)
+_FORMATS = {".hdr": "rgbe", ".exr": "exr"}
+_SUFFIXES = (*_FORMATS, ".rad", ".csv", ".mtx", *_PICTURES)
 _PRESETS = ("clerestory", "radiance", "radiance-matrix")
 _METHODS = ("spa", "radiance", "almanac")
 _PLANES = {"south": 180.0, "east": 90.0, "west": 270.0, "north": 0.0}
@@ -47,7 +48,8 @@ def sky(
             "--output",
             "-o",
             metavar="OUT",
-            help="Picture (.png, .pdf, .svg), Radiance scene (.rad), luminances (.csv), matrix (.mtx).",
+            help="Radiances (.hdr, .exr), falsecolour (.png, .pdf, .svg), Radiance scene (.rad), luminances (.csv), "
+            "column of a sky matrix (.mtx).",
         ),
     ] = None,
     place: Annotated[
@@ -102,6 +104,7 @@ def sky(
         float | None,
         typer.Option("--five-phase", metavar="ANGLE", help="Sun of .mtx in the nearest patch, as a disc [°]."),
     ] = None,
+    size: Annotated[int, typer.Option("--size", help="Pixels across .hdr and .exr.")] = 1024,
     as_json: JsonOption = False,
 ) -> None:
     """Make a sky: print what it gives, or write it as a picture, a Radiance scene, a table or a matrix.
@@ -157,7 +160,7 @@ def sky(
     else:
         position, where = _sun(chosen, light, sun, place, timezone, time, how)
         made = _make(chosen, which, position, light, common, sunless=sunless, grey=grey)
-    written = [] if output is None else _write(made, where, output, suffix, basis, part, five_phase)
+    written = [] if output is None else _write(made, where, output, suffix, basis, part, five_phase, size)
     if as_json:
         print_json({**summary(made), "written": written})
         return
@@ -291,13 +294,24 @@ def _from_weather(path: Path, time: str | None, method: str | None, common: dict
 
 
 def _write(
-    sky: Sky, place: Place | None, output: Path, suffix: str, basis: str, part: str, five_phase: float | None
+    sky: Sky,
+    place: Place | None,
+    output: Path,
+    suffix: str,
+    basis: str,
+    part: str,
+    five_phase: float | None,
+    size: int,
 ) -> list[str]:
     if suffix in _PICTURES:
         from clerestory.plot.style import render
         from clerestory.sky.figure import falsecolour
 
         write_whole(output, render(falsecolour(sky), suffix))
+    elif suffix in _FORMATS:
+        from clerestory.sky.picture import to_bytes
+
+        write_whole(output, to_bytes(sky, size, _FORMATS[suffix]))
     elif suffix == ".csv":
         write_whole(output, sky.table().to_csv())
     elif suffix == ".mtx":

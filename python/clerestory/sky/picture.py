@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from clerestory import _core
 from clerestory._core import ClerestoryError
 
 if TYPE_CHECKING:
@@ -41,6 +42,26 @@ def fisheye(sky: Sky, size: int, *, with_sun: bool) -> NDArray[np.float64]:
     if with_sun and disc is not None:
         _add_sun(image, inside, disc)
     return image
+
+
+def to_bytes(sky: Sky, size: int, form: str) -> bytes:
+    """A file of the fisheye with the sun.
+
+    Parameters
+    ----------
+    sky
+        The sky.
+    size
+        Pixels across.
+    form
+        `rgbe`, Radiance's HDR, or `exr`.
+    """
+    settings = sky.settings
+    header = [
+        f"SOFTWARE= Clerestory {_core.__version__}",
+        f"SKY= {settings.kind}, preset {settings.preset}, {settings.quantity} watts, sun {settings.sun.words}",
+    ]
+    return _core.sky_picture(fisheye(sky, size, with_sun=True).astype(np.float32), form, header)
 
 
 def _add_sun(image: NDArray[np.float64], inside: NDArray[np.bool_], disc: SunDisc) -> None:

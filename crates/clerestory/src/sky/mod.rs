@@ -15,7 +15,7 @@ pub mod perez;
 mod preetham;
 mod sun;
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 pub use cie::Traditional;
 pub use distribution::{Distribution, Lobed};
@@ -25,11 +25,8 @@ pub use sun::{HALF_ANGLE, Place, Sun, SunPosition, day_of_year, disc_solid_angle
 
 use crate::error::{Error, Result};
 use crate::geometry::Vec3;
+pub use crate::picture::colour::{EFFICACY, LUMINANCE};
 
-/// Luminous efficacy of the visible watts in Radiance's pictures (lm/W).
-pub const EFFICACY: f64 = 179.0;
-/// Share of luminance of Radiance's three channels.
-pub const LUMINANCE: [f64; 3] = [0.265_074_126, 0.670_114_631, 0.064_811_243];
 /// Colour of the sky of Radiance's matrix program.
 pub const RADIANCE_COLOUR: [f64; 3] = [0.960, 1.004, 1.118];
 /// Water vapour of 2 cm, as a dew point (°C): the default of Radiance's point-sky program.
@@ -165,18 +162,23 @@ impl Sky {
         let settings = settings.checked()?;
         let about = match settings.preset {
             Preset::Radiance => moment.sun.no_higher_than(HIGHEST.to_radians()),
-            Preset::RadianceMatrix => moment.sun.no_lower_than(0.0),
+            Preset::RadianceMatrix => moment.sun.no_lower_than(0.0).no_higher_than(HIGHEST.to_radians()),
             Preset::Clerestory => moment.sun,
         };
         by_day(moment.sun)?;
         let conditions = conditions(moment, about, &settings);
         let daylight = conditions.daylight(supply)?;
         let lobed = conditions.distribution(daylight.clearness, daylight.brightness)?;
-        let distribution = Distribution::Lobed(lobed);
-        let share = match settings.preset {
+        let mut distribution = Distribution::Lobed(lobed);
+        let mut share = match settings.preset {
             Preset::Radiance => distribution.horizontal_by_tregenza(about.zenith_angle()),
             Preset::Clerestory | Preset::RadianceMatrix => distribution.horizontal(about.zenith_angle()),
         };
+        if share <= 0.0 {
+            // Only outside of what was fitted: the matrix program makes it uniform.
+            distribution = Distribution::UNIFORM;
+            share = PI;
+        }
         let (direct, diffuse) = watts(&daylight, settings.quantity);
         let scale = diffuse / share;
         let sun = disc(moment.sun, about, direct, &settings);
@@ -267,6 +269,8 @@ impl Sky {
                 let found = conditions(moment, about, &settings).daylight(supply)?;
                 daylight = Some(found);
                 let (direct, diffuse) = watts(&found, settings.quantity);
+                let hidden = traditional.is_some_and(|(kind, sunny)| kind.is_sunny() && !sunny);
+                let direct = if hidden { 0.0 } else { direct };
                 let scale = match traditional {
                     // Radiance: gensky -B, the zenith from the irradiance by its polynomials.
                     Some((kind, _)) if genskys => diffuse / (PI * ambient(kind) * kind.at_zenith(zenith_angle)),
@@ -473,7 +477,8 @@ impl Sky {
         self.settings.preset == Preset::Radiance
     }
 
-    /// Disc of the sun, if it is above the horizon and shines.
+    /// Disc of the sun, if it is above the horizon and shines; in the matrix program's practice a sun just below it shines,
+    /// too.
     pub fn sun(&self) -> Option<Sun> {
         self.sun
     }
@@ -602,7 +607,8 @@ fn disc(sun: SunPosition, about: SunPosition, direct: f64, settings: &Settings) 
         Preset::Radiance => about,
         Preset::Clerestory | Preset::RadianceMatrix => sun,
     };
-    let up = position.altitude() > 0.0 && position.altitude() <= FRAC_PI_2;
+    // The matrix program puts light of a sun below the horizon, which hours of sunset have, into the nearest patches.
+    let up = position.altitude() > 0.0 || settings.preset == Preset::RadianceMatrix;
     (up && direct > 0.0).then(|| Sun {
         direction: position.direction(),
         radiance: [direct / disc_solid_angle(HALF_ANGLE); 3],

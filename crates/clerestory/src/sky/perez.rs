@@ -16,6 +16,12 @@ const SOLAR_ILLUMINANCE: f64 = 127_500.0;
 /// Lower limits of ε of the eight bins.
 const BINS: [f64; 8] = [1.0, 1.065, 1.23, 1.5, 1.95, 2.8, 4.5, 6.2];
 
+/// Steepest gradation b of a sky that gets lighter toward the horizon, that of CIE's types 14 and 15.
+const STEEPEST: f64 = -0.15;
+
+/// Least gradation of the zenith of a sky of ours.
+const DARKEST: f64 = 0.02;
+
 /// a, b, c, d, e of each bin: x1 + x2 z + Δ (x3 + x4 z).
 const COEFFICIENTS: [[[f64; 4]; 5]; 8] = [
     [
@@ -215,7 +221,7 @@ impl Conditions {
             } => {
                 check("a direct normal irradiance", direct_normal, "W/m²")?;
                 check("a diffuse horizontal irradiance", diffuse_horizontal, "W/m²")?;
-                self.from_irradiances(direct_normal, diffuse_horizontal)
+                self.of_irradiances(direct_normal, diffuse_horizontal)
             }
             Supply::Illuminance {
                 direct_normal,
@@ -223,17 +229,17 @@ impl Conditions {
             } => {
                 check("a direct normal illuminance", direct_normal, "lx")?;
                 check("a diffuse horizontal illuminance", diffuse_horizontal, "lx")?;
-                self.from_illuminances(direct_normal, diffuse_horizontal)
+                self.of_illuminances(direct_normal, diffuse_horizontal)
             }
             Supply::Global(global) => {
                 check("a global horizontal irradiance", global, "W/m²")?;
                 let (direct, diffuse) = self.divided(global)?;
-                self.from_irradiances(direct, diffuse)
+                self.of_irradiances(direct, diffuse)
             }
         }
     }
 
-    fn from_irradiances(&self, direct: f64, diffuse: f64) -> Result<Daylight> {
+    fn of_irradiances(&self, direct: f64, diffuse: f64) -> Result<Daylight> {
         if diffuse <= 0.0 {
             return Err(Error::Argument(
                 "the sky gives no diffuse light (give a diffuse horizontal irradiance above 0; a sun alone has no sky)"
@@ -254,14 +260,14 @@ impl Conditions {
     }
 
     /// Irradiances whose efficacies give the illuminances, by iteration.
-    fn from_illuminances(&self, direct: f64, diffuse: f64) -> Result<Daylight> {
+    fn of_illuminances(&self, direct: f64, diffuse: f64) -> Result<Daylight> {
         let steps = match self.preset {
             Preset::Radiance => 9,
             Preset::RadianceMatrix => 5,
             Preset::Clerestory => 60,
         };
         let guess = SOLAR_CONSTANT / SOLAR_ILLUMINANCE;
-        let mut made = self.from_irradiances(direct * guess, diffuse * guess)?;
+        let mut made = self.of_irradiances(direct * guess, diffuse * guess)?;
         for _ in 0..steps {
             let (to_direct, to_diffuse) = self.efficacies(made.clearness, made.brightness);
             if to_direct <= 0.0 && direct > 0.0 {
@@ -270,7 +276,7 @@ impl Conditions {
                 )));
             }
             let direct_irradiance = if direct > 0.0 { direct / to_direct } else { 0.0 };
-            made = self.from_irradiances(direct_irradiance, diffuse / to_diffuse)?;
+            made = self.of_irradiances(direct_irradiance, diffuse / to_diffuse)?;
         }
         // Efficacies jump from bin to bin, so that the last step may not have arrived; what was given is kept.
         Ok(Daylight {
@@ -317,29 +323,38 @@ impl Conditions {
             brightness
         };
         let bin = bin(clearness);
-        let mut values = COEFFICIENTS[bin].map(|[x1, x2, x3, x4]| x1 + x2 * z + delta * (x3 + x4 * z));
-        if bin == 0 {
-            let [c1, c2, c3, c4] = COEFFICIENTS[0][2];
-            let [d1, d2, d3, d4] = COEFFICIENTS[0][3];
-            values[2] = (delta * (c1 + c2 * z)).powf(c3).exp() - c4;
-            values[3] = -(delta * (d1 + d2 * z)).exp() + d3 + delta * d4;
+        let values = coefficients(bin, z, delta);
+        let rises = values[1] > 0.0;
+        let is_dark = self.preset == Preset::Clerestory && 1.0 + values[0] * values[1].exp() < DARKEST;
+        if !rises && !is_dark {
+            return Ok(Lobed::new(values));
         }
-        if values[1] > 0.0 {
-            match self.preset {
-                // A sky that rises without limit toward the horizon is outside of what was fitted; the nearest one inside
-                // has no gradation.
-                Preset::Clerestory => values[1] = 0.0,
-                Preset::Radiance => {
-                    return Err(Error::Unsupported(format!(
-                        "Perez's sky has no sound gradation for ε = {clearness:.4} and Δ = {brightness:.4}: Radiance's \
-                         gendaylit gives a black sky (take the preset clerestory)"
-                    )));
-                }
-                Preset::RadianceMatrix => {}
+        // The sky would rise without limit toward the horizon, or be negative: outside of what was fitted.
+        match self.preset {
+            Preset::Clerestory => {
+                let [b1, b2, b3, b4] = COEFFICIENTS[bin][1];
+                let nearest = (STEEPEST - b1 - b2 * z) / (b3 + b4 * z);
+                Ok(Lobed::new(coefficients(bin, z, nearest.clamp(0.0, 0.6))))
             }
+            Preset::Radiance => Err(Error::Unsupported(format!(
+                "Perez's sky has no sound gradation for ε = {clearness:.4} and Δ = {brightness:.4}: Radiance's gendaylit \
+                 gives a black sky (take the preset clerestory)"
+            ))),
+            Preset::RadianceMatrix => Ok(Lobed::new(values)),
         }
-        Ok(Lobed::new(values))
     }
+}
+
+/// a, b, c, d, e of a bin for an angle from zenith to sun (radians) and a brightness.
+fn coefficients(bin: usize, z: f64, delta: f64) -> [f64; 5] {
+    let mut values = COEFFICIENTS[bin].map(|[x1, x2, x3, x4]| x1 + x2 * z + delta * (x3 + x4 * z));
+    if bin == 0 {
+        let [c1, c2, c3, c4] = COEFFICIENTS[0][2];
+        let [d1, d2, d3, d4] = COEFFICIENTS[0][3];
+        values[2] = (delta * (c1 + c2 * z)).powf(c3).exp() - c4;
+        values[3] = -(delta * (d1 + d2 * z)).exp() + d3 + delta * d4;
+    }
+    values
 }
 
 /// The bin of a clearness, 0 to 7.
@@ -414,6 +429,29 @@ mod tests {
         assert!((light.direct_irradiance * 0.5 - 383.129).abs() < 2e-3, "{light:?}");
         assert!((light.diffuse_irradiance - 116.871).abs() < 2e-3);
         assert!(conditions(0.5, 0).daylight(Supply::Global(900.0)).is_err());
+    }
+
+    /// The whole range of ε, Δ and sun: gradations fall or rise to a limit, and there is light.
+    #[test]
+    fn every_sky_of_ours_is_sound() {
+        for clearness in [1.0, 1.03, 1.1, 1.4, 1.7, 2.3, 3.0, 4.4, 5.5, 7.0, 12.0] {
+            for brightness in [0.01, 0.05, 0.1, 0.2, 0.35, 0.5, 0.6] {
+                for degrees in 0..=90 {
+                    let c = Conditions {
+                        preset: Preset::Clerestory,
+                        ..conditions(f64::from(degrees).to_radians().cos(), 100)
+                    };
+                    let lobed = c.distribution(clearness, brightness).unwrap();
+                    let place = format!("ε {clearness}, Δ {brightness}, zenith angle {degrees}°: {lobed:?}");
+                    assert!(lobed.b <= 0.0, "{place}");
+                    let sky = crate::sky::Distribution::Lobed(lobed);
+                    let share = sky.horizontal_by_tregenza(c.sun_zenith);
+                    assert!(share.is_finite() && share > 0.05, "{share}, {place}");
+                    // Brightest within a factor of 300 of the mean, also at the horizon.
+                    assert!(sky.value(0.0, 0.0) < 300.0 * share, "{place}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -3,6 +3,7 @@
 
 use super::distribution::{Distribution, Lobed};
 use crate::error::{Error, Result};
+use crate::picture::colour;
 
 /// Rows [T, 1] of A to E for luminance Y and chromaticities x and y.
 const LOBES: [[[f64; 2]; 5]; 3] = [
@@ -41,14 +42,6 @@ const ZENITH: [[[f64; 4]; 3]; 2] = [
         [0.153_46, -0.267_56, 0.066_70, 0.266_88],
     ],
 ];
-/// X, Y and Z of Radiance's primaries (0.640 0.330, 0.290 0.600, 0.150 0.060, white 1/3 1/3). Y has the shares of luminance
-/// as Radiance rounds them, so that luminances are those of its programs.
-const XYZ_OF_RGB: [[f64; 3]; 3] = [
-    [0.514_144_62, 0.323_884_48, 0.161_970_90],
-    [0.265_074_126, 0.670_114_631, 0.064_811_243],
-    [0.024_100_53, 0.122_852_73, 0.853_046_74],
-];
-
 /// Luminance and chromaticity over the sky.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Preetham {
@@ -93,7 +86,7 @@ impl Preetham {
         Ok(Self {
             lobes,
             scales,
-            rgb: inverse(XYZ_OF_RGB),
+            rgb: colour::from_xyz(&colour::PRIMARIES)?,
         })
     }
 
@@ -139,35 +132,9 @@ pub fn direct_illuminance(turbidity: f64, air_mass: f64, eccentricity: f64) -> f
     133_334.0 * eccentricity * (-air_mass * turbidity / (9.9 + 0.043 * air_mass)).exp()
 }
 
-fn inverse(m: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    let minor = |r: usize, c: usize| {
-        let [r1, r2] = [(r + 1) % 3, (r + 2) % 3];
-        let [c1, c2] = [(c + 1) % 3, (c + 2) % 3];
-        m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
-    };
-    let determinant = (0..3).map(|c| m[0][c] * minor(0, c)).sum::<f64>();
-    std::array::from_fn(|r| std::array::from_fn(|c| minor(c, r) / determinant))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// White has the chromaticity 1/3 1/3, and each primary its own.
-    #[test]
-    fn colours_are_radiances() {
-        let found = inverse(XYZ_OF_RGB);
-        let rgb = |xyz: [f64; 3]| found.map(|row| row.iter().zip(xyz).map(|(a, b)| a * b).sum::<f64>());
-        for channel in rgb([1.0, 1.0, 1.0]) {
-            assert!((channel - 1.0).abs() < 1e-7, "{found:?}");
-        }
-        for (k, (x, y)) in [(0.640, 0.330), (0.290, 0.600), (0.150, 0.060)].into_iter().enumerate() {
-            let channels = rgb([x, y, 1.0 - x - y]);
-            for (j, channel) in channels.iter().enumerate() {
-                assert!(j == k || channel.abs() < 2e-4, "{channels:?}");
-            }
-        }
-    }
 
     #[test]
     fn the_zenith_is_the_published_one_and_blue() {
@@ -178,8 +145,8 @@ mod tests {
         assert!((sky.luminance(1.0, z) / expected - 1.0).abs() < 1e-12);
         let [r, g, b] = sky.rgb(1.0, z);
         assert!(b > g && g > r, "{r} {g} {b}");
-        let luminance = 0.265_074_126 * r + 0.670_114_631 * g + 0.064_811_243 * b;
-        assert!((luminance / expected - 1.0).abs() < 1e-8);
+        let luminance = colour::LUMINANCE[0] * r + colour::LUMINANCE[1] * g + colour::LUMINANCE[2] * b;
+        assert!((luminance / expected - 1.0).abs() < 1e-6);
     }
 
     #[test]
