@@ -66,8 +66,8 @@ def report(data: Path) -> str:
     return f"""### Glare of a picture
 
 Aim: at least 20 times, same numbers. From the file to all indices, {REPETITIONS} runs in turn, warm files. evalglare
-3.06 runs as a process, with its start of some milliseconds; Clerestory as a call in a running Python, on all processors,
-with nothing kept from the run before. Load of the machine at the end: {load:.1f}.
+3.06 runs as a process, with its start of some milliseconds; Clerestory as a call in a running Python, on all
+processors, with nothing kept from the run before. Load of the machine at the end: {load:.1f}.
 
 {table(["picture", "Clerestory [ms]", "evalglare [ms]", "ratio", "spread"], times)}
 

@@ -2,6 +2,8 @@
 
 import json
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -125,3 +127,12 @@ def test_wrong_usage(words, text, folder, capsys):
     code, _, err = run(capsys, folder / "even.hdr", *words)
     assert code == 2
     assert text in err
+
+
+def test_no_drawing_library_without_a_drawing(folder):
+    code = (
+        "import sys; from clerestory.cli import main; "
+        f"main(['glare', {str(folder / 'window.hdr')!r}]); print('matplotlib' in sys.modules)"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.splitlines()[-1] == "False"

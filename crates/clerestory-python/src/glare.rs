@@ -209,6 +209,9 @@ impl PyLens {
     }
 }
 
+/// Sources and indices.
+type Rated<'py> = (Bound<'py, PyArray2<f64>>, Vec<(&'static str, f64)>);
+
 /// Rates known sources: rows of direction, luminance and solid angle (n, 5).
 #[pyfunction]
 pub fn rate_glare<'py>(
@@ -219,7 +222,7 @@ pub fn rate_glare<'py>(
     mean_luminance: f64,
     mean_background: f64,
     settings: SettingsParts,
-) -> PyResult<(Bound<'py, PyArray2<f64>>, Vec<(&'static str, f64)>)> {
+) -> PyResult<Rated<'py>> {
     if lights.shape()[1] != 5 {
         return Err(ClerestoryError::new_err(
             "glare sources: give x, y, z, luminance and solid angle a row",

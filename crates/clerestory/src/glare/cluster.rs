@@ -13,9 +13,10 @@ pub(super) fn groups(directions: &[[f64; 3]], angle: f64) -> Vec<u32> {
     let side = chord / 3.0_f64.sqrt() * (1.0 - 1e-9);
     let cells = Cells::new(directions, side);
     let mut parents: Vec<u32> = (0..cells.keys.len() as u32).collect();
-    for (index, key) in cells.keys.iter().enumerate() {
-        for offset in cells.neighbours(*key) {
-            let Some(&other) = cells.index.get(&offset) else {
+    // Near cells first: they join most, and pairs that are joined need no search.
+    for step in steps() {
+        for (index, key) in cells.keys.iter().enumerate() {
+            let Some(&other) = cells.index.get(&key.wrapping_add_signed(step)) else {
                 continue;
             };
             let (a, b) = (root(&mut parents, index as u32), root(&mut parents, other));
@@ -116,17 +117,22 @@ impl Cells {
     fn members(&self, cell: u32) -> &[u32] {
         &self.members[self.first[cell as usize] as usize..self.first[cell as usize + 1] as usize]
     }
+}
 
-    /// Keys of one half of the cells that can hold directions within reach; the other half sees them from its side.
-    fn neighbours(&self, key: u64) -> impl Iterator<Item = u64> {
-        (-2_i64..=2)
-            .flat_map(|x| (-2_i64..=2).flat_map(move |y| (-2_i64..=2).map(move |z| (x, y, z))))
-            .filter(|&offset| offset > (0, 0, 0))
-            .map(move |(x, y, z)| {
-                let step = (x << (2 * BITS)).wrapping_add(y << BITS).wrapping_add(z);
-                key.wrapping_add_signed(step)
-            })
-    }
+/// Steps from the key of a cell to those of one half of the cells that can hold directions within reach, by distance; the
+/// other half sees it from its side.
+fn steps() -> Vec<i64> {
+    let range = -2_i64..=2;
+    let mut offsets: Vec<(i64, i64, i64)> = range
+        .clone()
+        .flat_map(|x| range.clone().flat_map(move |y| (-2..=2).map(move |z| (x, y, z))))
+        .filter(|&offset| offset > (0, 0, 0))
+        .collect();
+    offsets.sort_by_key(|(x, y, z)| x * x + y * y + z * z);
+    offsets
+        .into_iter()
+        .map(|(x, y, z)| (x << (2 * BITS)) + (y << BITS) + z)
+        .collect()
 }
 
 #[cfg(test)]
@@ -140,7 +146,7 @@ mod tests {
         fn groups_are_those_of_all_pairs(seed in 0_u64..1000, count in 1_usize..150, angle in 0.01_f64..0.6) {
             let directions: Vec<[f64; 3]> = (0..count as u64)
                 .map(|k| {
-                    let (z, phi) = (uniform(seed, 2 * k), 6.283 * uniform(seed, 2 * k + 1));
+                    let (z, phi) = (uniform(seed, 2 * k), std::f64::consts::TAU * uniform(seed, 2 * k + 1));
                     let r = (1.0 - z * z).sqrt();
                     [r * phi.cos(), r * phi.sin(), z]
                 })

@@ -287,7 +287,9 @@ fn measure(
         });
         numbers[k + 1] = sources.len() as u32;
     }
-    labels.iter_mut().for_each(|label| *label = numbers[*label as usize]);
+    for label in labels {
+        *label = numbers[*label as usize];
+    }
     sources
 }
 

@@ -1,5 +1,6 @@
 //! Headers of Radiance's pictures: lines, then an empty one, then the resolution.
 
+use super::colour::EFFICACY;
 use super::image::{MOST_PIXELS, Picture};
 use super::view::View;
 use crate::error::{Error, Result};
@@ -39,6 +40,86 @@ const CHECK: &str = "check that this is a Radiance picture (.hdr, .pic) and that
 /// Longest line that is taken for one of a header.
 const LONGEST: usize = 1 << 16;
 
+/// What the lines of a header have said so far.
+struct Said {
+    format: Format,
+    exposure: f64,
+    corrections: [f64; 3],
+    view: View,
+    /// There was a view.
+    seen: bool,
+}
+
+impl Said {
+    /// Takes a line in.
+    fn line(&mut self, text: &str, picture: &mut Picture) -> Result<()> {
+        let place = format!("line {}", picture.header.len() + 1);
+        let (key, value) = text.split_once('=').unwrap_or((text, ""));
+        match key {
+            "FORMAT" => {
+                self.format = match value.trim() {
+                    "32-bit_rle_rgbe" => Format::Rgbe,
+                    "32-bit_rle_xyze" => Format::Xyze,
+                    other => {
+                        return Err(Error::format(
+                            place,
+                            format!("the format {other:?} is no picture's that can be read"),
+                            "give 32-bit_rle_rgbe or 32-bit_rle_xyze; rcomb -fc converts others",
+                        ));
+                    }
+                };
+            }
+            "EXPOSURE" => {
+                let [factor] = numbers(value)
+                    .filter(|[e]| *e > 0.0)
+                    .ok_or_else(|| positive(&place, text))?;
+                self.exposure *= factor;
+            }
+            "COLORCORR" => {
+                let factors: [f64; 3] = numbers(value)
+                    .filter(|f: &[f64; 3]| f.iter().all(|e| *e > 0.0))
+                    .ok_or_else(|| positive(&place, text))?;
+                for (correction, factor) in self.corrections.iter_mut().zip(factors) {
+                    *correction *= factor;
+                }
+            }
+            "PIXASPECT" => {
+                let [aspect] = numbers(value)
+                    .filter(|[a]| *a > 0.0)
+                    .ok_or_else(|| positive(&place, text))?;
+                picture.pixel_aspect *= aspect;
+            }
+            "PRIMARIES" => match numbers(value) {
+                Some(primaries) => picture.primaries = Some(primaries),
+                None => picture
+                    .warnings
+                    .push(format!("{place}: {text:?} has not eight numbers, and is passed over")),
+            },
+            "VIEW" => match self.view.update(value) {
+                Ok(_) => self.seen = true,
+                Err(error) => picture
+                    .warnings
+                    .push(format!("{place}: {error}; the line is passed over")),
+            },
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// What values are divided by.
+    fn divisors(&self) -> Result<[f64; 3]> {
+        let divisors = self.corrections.map(|c| c * self.exposure);
+        if divisors.iter().all(|d| d.is_finite() && *d > 1e-30) {
+            return Ok(divisors);
+        }
+        Err(Error::format(
+            "the header",
+            format!("its exposures multiply to {divisors:?}"),
+            "check the EXPOSURE and COLORCORR lines",
+        ))
+    }
+}
+
 /// Reads a header into a picture without pixels.
 pub(super) fn read(bytes: &[u8], picture: &mut Picture) -> Result<Header> {
     if !bytes.starts_with(b"#?") {
@@ -55,98 +136,41 @@ pub(super) fn read(bytes: &[u8], picture: &mut Picture) -> Result<Header> {
         let text = rest[..end].strip_suffix(b"\r").unwrap_or(&rest[..end]);
         Ok(String::from_utf8_lossy(text).into_owned())
     };
-    let mut divisors = [1.0; 3];
-    let mut format = Format::Rgbe;
-    let mut exposure = 1.0;
-    let mut view = View::default();
-    let mut seen = false;
+    let mut said = Said {
+        format: Format::Rgbe,
+        exposure: 1.0,
+        corrections: [1.0; 3],
+        view: View::default(),
+        seen: false,
+    };
     picture.pixel_aspect = 1.0;
     loop {
         let text = line()?;
         if text.is_empty() {
             break;
         }
-        let place = format!("line {}", picture.header.len() + 1);
-        let (key, value) = text.split_once('=').unwrap_or((&text, ""));
-        match key {
-            "FORMAT" => {
-                format = match value.trim() {
-                    "32-bit_rle_rgbe" => Format::Rgbe,
-                    "32-bit_rle_xyze" => Format::Xyze,
-                    other => {
-                        return Err(Error::format(
-                            place,
-                            format!("the format {other:?} is no picture's that can be read"),
-                            "give 32-bit_rle_rgbe or 32-bit_rle_xyze; getinfo -c and rcomb -fc convert others",
-                        ));
-                    }
-                };
-            }
-            "EXPOSURE" => {
-                let [factor] = numbers::<1>(value)
-                    .filter(|[e]| *e > 0.0)
-                    .ok_or_else(|| positive(&place, &text))?;
-                exposure *= factor;
-            }
-            "COLORCORR" => {
-                let factors = numbers::<3>(value)
-                    .filter(|f| f.iter().all(|e| *e > 0.0))
-                    .ok_or_else(|| positive(&place, &text))?;
-                for (divisor, factor) in divisors.iter_mut().zip(factors) {
-                    *divisor *= factor;
-                }
-            }
-            "PIXASPECT" => {
-                let [aspect] = numbers::<1>(value)
-                    .filter(|[a]| *a > 0.0)
-                    .ok_or_else(|| positive(&place, &text))?;
-                picture.pixel_aspect *= aspect;
-            }
-            "PRIMARIES" => match numbers::<8>(value) {
-                Some(primaries) => picture.primaries = Some(primaries),
-                None => picture
-                    .warnings
-                    .push(format!("{place}: {text:?} has not eight numbers, and is passed over")),
-            },
-            "VIEW" => match view.update(value) {
-                Ok(_) => seen = true,
-                Err(error) => picture
-                    .warnings
-                    .push(format!("{place}: {error}; the line is passed over")),
-            },
-            _ => {}
-        }
+        said.line(&text, picture)?;
         picture.header.push(text);
     }
-    picture.view = seen.then_some(view);
-    picture.exposure = exposure;
-    for divisor in &mut divisors {
-        *divisor *= exposure;
-        if !(divisor.is_finite() && *divisor > 1e-30) {
-            return Err(Error::format(
-                "the header",
-                format!("its exposures multiply to {divisor}"),
-                "check the EXPOSURE lines",
-            ));
-        }
-    }
+    picture.view = said.seen.then_some(said.view);
+    picture.exposure = said.exposure;
+    let divisors = said.divisors()?;
     let text = line()?;
+    let place = format!("line {}", picture.header.len() + 2);
     let order = resolution(&text).ok_or_else(|| {
         Error::format(
-            format!("line {}", picture.header.len() + 2),
+            place.as_str(),
             format!("{text:?} is no resolution such as -Y 600 +X 800"),
             CHECK,
         )
     })?;
     let most = order.lines.checked_mul(order.length).filter(|n| *n <= MOST_PIXELS);
+    let left = bytes.len() - begin;
     // Each scanline takes four bytes at least.
-    if most.is_none() || order.lines > (bytes.len() - begin) / 4 {
+    if most.is_none() || order.lines > left / 4 {
         return Err(Error::format(
-            format!("line {}", picture.header.len() + 2),
-            format!(
-                "{text:?} is more than {} bytes of pixels can hold, or more than can be read",
-                bytes.len() - begin
-            ),
+            place,
+            format!("{text:?} is more than {left} bytes of pixels can hold, or more than can be read"),
             CHECK,
         ));
     }
@@ -156,7 +180,7 @@ pub(super) fn read(bytes: &[u8], picture: &mut Picture) -> Result<Header> {
         [order.lines, order.length]
     };
     Ok(Header {
-        format,
+        format: said.format,
         order,
         divisors,
         begin,
@@ -209,36 +233,36 @@ fn resolution(text: &str) -> Option<Order> {
 
 /// The header of a picture that is written: its lines but those that the reader has worked into the values.
 pub(super) fn write(picture: &Picture, format: Format) -> Vec<u8> {
-    let mut text = String::from("#?RADIANCE\n");
-    for line in &picture.header {
-        let key = line.split_once('=').map_or("", |(key, _)| key);
-        let gone = ["FORMAT", "EXPOSURE", "COLORCORR", "VIEW", "PIXASPECT", "PRIMARIES"].contains(&key);
-        if !gone && !line.starts_with("#?") {
-            text.push_str(&line.replace(['\n', '\r'], " "));
-            text.push('\n');
-        }
-    }
-    if let Some(view) = &picture.view {
-        text.push_str(&format!("VIEW= {view}\n"));
-    }
+    let worked_in = ["FORMAT", "EXPOSURE", "COLORCORR", "VIEW", "PIXASPECT", "PRIMARIES"];
+    let mut lines = vec!["#?RADIANCE".to_owned()];
+    lines.extend(
+        picture
+            .header
+            .iter()
+            .filter(|line| {
+                let key = line.split_once('=').map_or("", |(key, _)| key);
+                !line.is_empty() && !worked_in.contains(&key) && !line.starts_with("#?")
+            })
+            .map(|line| line.replace(['\n', '\r'], " ")),
+    );
+    lines.extend(picture.view.map(|view| format!("VIEW= {view}")));
     if picture.pixel_aspect != 1.0 {
-        text.push_str(&format!("PIXASPECT={}\n", picture.pixel_aspect));
+        lines.push(format!("PIXASPECT={}", picture.pixel_aspect));
     }
     match format {
         Format::Rgbe => {
-            if let Some(p) = &picture.primaries {
+            lines.extend(picture.primaries.map(|p| {
                 let words: Vec<String> = p.iter().map(f64::to_string).collect();
-                text.push_str(&format!("PRIMARIES= {}\n", words.join(" ")));
-            }
-            text.push_str("FORMAT=32-bit_rle_rgbe\n");
+                format!("PRIMARIES= {}", words.join(" "))
+            }));
+            lines.push("FORMAT=32-bit_rle_rgbe".into());
         }
         Format::Xyze => {
-            text.push_str(&format!(
-                "EXPOSURE={:e}\nFORMAT=32-bit_rle_xyze\n",
-                1.0 / super::colour::EFFICACY
-            ));
+            lines.push(format!("EXPOSURE={:e}", 1.0 / EFFICACY));
+            lines.push("FORMAT=32-bit_rle_xyze".into());
         }
     }
-    text.push_str(&format!("\n-Y {} +X {}\n", picture.height, picture.width));
-    text.into_bytes()
+    lines.push(String::new());
+    lines.push(format!("-Y {} +X {}\n", picture.height, picture.width));
+    lines.join("\n").into_bytes()
 }

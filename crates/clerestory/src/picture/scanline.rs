@@ -53,7 +53,9 @@ impl<'a> Input<'a> {
                 let pixels = &mut target[at..at + count];
                 if code > 128 {
                     let value = self.take(1)?[0];
-                    pixels.iter_mut().for_each(|p| p[channel] = value);
+                    for p in pixels {
+                        p[channel] = value;
+                    }
                 } else {
                     for (p, value) in pixels.iter_mut().zip(self.take(count)?) {
                         p[channel] = *value;
@@ -104,8 +106,12 @@ pub(super) fn write(pixels: &[[u8; 4]], out: &mut Vec<u8>) {
         return;
     }
     out.extend_from_slice(&[2, 2, (length >> 8) as u8, length as u8]);
+    let mut row = vec![0; length];
     for channel in 0..4 {
-        let value = |k: usize| pixels[k][channel];
+        for (value, pixel) in row.iter_mut().zip(pixels) {
+            *value = pixel[channel];
+        }
+        let value = |k: usize| row[k];
         let run = |from: usize| {
             (from..length.min(from + 127))
                 .take_while(|&k| value(k) == value(from))
