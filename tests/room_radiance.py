@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import subprocess
 from pathlib import Path
@@ -21,6 +22,9 @@ SIZE = {"width_m": 3.6, "depth_m": 5.0, "height_m": 2.8}
 REFLECTANCES = {"floor": 0.2, "walls": 0.6, "ceiling": 0.8}
 SUN = (35.0, 200.0)
 """Altitude and compass azimuth [°]."""
+
+SUN_ALONE = 50_000.0
+"""Illuminance that faces the sun where there is nothing else [lx]."""
 
 GLOWS = """
 skyfunc glow sky_glow 0 0 4 1 1 1 0
@@ -52,10 +56,11 @@ def run(*command: str, folder: Path, data: str | bytes = b"") -> bytes:
     ).stdout
 
 
-def tables(system: dict[str, Any], *, sun: bool) -> dict[str, Any]:
-    """A recipe of the room; the sky is gensky's clear one, with or without its sun."""
+def tables(system: dict[str, Any], *, sun: bool, sky: bool) -> dict[str, Any]:
+    """A recipe of the room under gensky's clear sky with its sun, the overcast one, or one all but black with a sun."""
+    light = {} if sky else {"direct_illuminance": SUN_ALONE, "diffuse_illuminance": 1e-3, "ground_reflectance": 0.0}
     return {
-        "sky": {"kind": "clear" if sun else "overcast", "sun_deg": list(SUN), "preset": "radiance"},
+        "sky": {"kind": "clear" if sun else "overcast", "sun_deg": list(SUN), "preset": "radiance", **light},
         "room": {
             **SIZE,
             **REFLECTANCES,
@@ -66,11 +71,11 @@ def tables(system: dict[str, Any], *, sun: bool) -> dict[str, Any]:
     }
 
 
-def octree(room: Room, material: str, folder: Path, *, sun: bool) -> None:
+def octree(room: Room, material: str, folder: Path, *, sun: bool, sky: bool) -> None:
     """The scene with the window's material, which is called `window`, as `scene.oct` in a folder."""
     altitude, azimuth = SUN
-    sky = run("gensky", "-ang", str(altitude), str(azimuth - 180.0), "+s" if sun else "-c", folder=folder).decode()
-    (folder / "sky.rad").write_text(sky + GLOWS)
+    found = run("gensky", "-ang", str(altitude), str(azimuth - 180.0), "+s" if sun else "-c", folder=folder).decode()
+    (folder / "sky.rad").write_text(found + GLOWS if sky else _sun_alone())
     text = [material]
     for name, value in REFLECTANCES.items():
         text.append(f"void plastic {name} 0 0 5 {value} {value} {value} 0 0")
@@ -87,6 +92,13 @@ def octree(room: Room, material: str, folder: Path, *, sun: bool) -> None:
         text.append(f"window polygon {name} 0 0 {3 * len(outline)} {numbers}")
     (folder / "room.rad").write_text("\n".join(text) + "\n")
     (folder / "scene.oct").write_bytes(run("oconv", "sky.rad", "room.rad", folder=folder))
+
+
+def _sun_alone() -> str:
+    altitude, azimuth = (math.radians(angle) for angle in SUN)
+    x, y, z = math.cos(altitude) * math.sin(azimuth), math.cos(altitude) * math.cos(azimuth), math.sin(altitude)
+    radiance = SUN_ALONE / EFFICACY / (2.0 * math.pi * (1.0 - math.cos(math.radians(0.2665))))
+    return f"void light solar 0 0 3 {radiance} {radiance} {radiance}\nsolar source sun 0 0 4 {x} {y} {z} 0.533\n"
 
 
 def illuminance(folder: Path, points: np.ndarray, normals: np.ndarray, *, divisions: int, bounces: int) -> np.ndarray:

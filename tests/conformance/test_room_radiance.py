@@ -33,6 +33,7 @@ class Case:
     file: str | None
     peaks: bool
     sun: bool
+    sky: bool = True
 
 
 CASES = [
@@ -40,7 +41,8 @@ CASES = [
     Case("film", "klems/cl_Tn0.5.xml", peaks=False, sun=False),
     Case("blind-klems", "klems/blinds30.xml", peaks=False, sun=True),
     Case("blind-tree", "tensortree/b30.xml", peaks=False, sun=False),
-    Case("fabric-abSDF", "klems/E_Screen_3pct_White-White.xml.gz", peaks=True, sun=False),
+    # Radiance's beams are for the eye and the sun: in its ambient calculation the sky's light is scattered by the table.
+    Case("fabric-aBSDF", "klems/E_Screen_3pct_White-White.xml.gz", peaks=True, sun=True, sky=False),
 ]
 
 
@@ -59,14 +61,11 @@ def both(case: Case, folder: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray, 
         system = {"file": str(folder / "window.xml"), "treatment": "high-peaks" if case.peaks else "high"}
         kind, first = ("aBSDF", "5") if case.peaks else ("BSDF", "6 0")
         material = f"void {kind} window {first} window.xml 0 0 1 . 0 0"
-    made = room.load(room_radiance.tables(system, sun=case.sun))
-    room_radiance.octree(made, material, folder, sun=case.sun)
+    made = room.load(room_radiance.tables(system, sun=case.sun, sky=case.sky))
+    room_radiance.octree(made, material, folder, sun=case.sun, sky=case.sky)
     ours = made.illuminance(points=POINTS, normals=NORMALS, samples=1 << 15)
     theirs = np.array(
-        [
-            room_radiance.illuminance(folder, POINTS, NORMALS, divisions=4096, bounces=6)
-            for _ in range(RUNS)
-        ]
+        [room_radiance.illuminance(folder, POINTS, NORMALS, divisions=4096, bounces=12) for _ in range(RUNS)]
     )
     return ours.values, ours.standard_errors, theirs.mean(axis=0), theirs.std(axis=0, ddof=1) / np.sqrt(RUNS)
 

@@ -15,10 +15,12 @@ def test_a_picture_and_its_glare(tmp_path, capsys):
     out = tmp_path / "office.hdr"
     assert main(["render", "office", "-o", str(out), "--size", "64,64", "--samples", "4", "--glare"]) == 0
     told = capsys.readouterr().out
-    assert "DGP" in told and "4 paths a pixel" in told
+    assert "DGP" in told
+    assert "4 paths a pixel" in told
     picture = Picture.read(out)
     assert picture.shape == (64, 64)
-    assert picture.view is not None and picture.view.projection == "a"
+    assert picture.view is not None
+    assert picture.view.projection == "a"
     assert main(["glare", str(out)]) == 0
 
 
@@ -54,4 +56,5 @@ def test_wrong_calls(text, words, capsys):
     assert main(["render", *words]) in (1, 2)
     told = capsys.readouterr().err
     assert text in told
-    assert told.startswith("error: ") and told.count("\n") == 1
+    assert told.startswith("error: ")
+    assert told.count("\n") == 1

@@ -117,7 +117,7 @@ def test_faults_are_named(text, changes):
 
 def test_unknown_names_are_named():
     made = room.load(tables())
-    with pytest.raises(RecipeError, match="there is no view 'eyes' .did you mean eye?"):
+    with pytest.raises(RecipeError, match=r"there is no view 'eyes' \(did you mean eye\?\)"):
         made.picture("eyes")
     with pytest.raises(RecipeError, match="there are no sensors 'plan'"):
         made.illuminance("plan")

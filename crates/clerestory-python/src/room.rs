@@ -6,7 +6,7 @@ use clerestory::geometry::{Scene, Shape, Vec3};
 use clerestory::material::Surface;
 use clerestory::picture::{Camera, View};
 use clerestory::room::{Accumulated, Parts, Picture, Room, Sensor, System};
-use numpy::{PyArray2, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::arrays::rows;
@@ -50,7 +50,7 @@ impl PyRoomShapes {
     /// Adds triangles: corners (n, 3) in metres, triangles (m, 3), under the name of an object.
     fn triangles(
         &mut self,
-        object: &str,
+        name: &str,
         surface: u32,
         corners: PyReadonlyArray2<'_, f64>,
         triangles: PyReadonlyArray2<'_, i64>,
@@ -60,7 +60,7 @@ impl PyRoomShapes {
         if corners.ncols() != 3 || triangles.ncols() != 3 || triangles.iter().any(|k| !(0..count).contains(k)) {
             return Err(ClerestoryError::new_err("corners and triangles do not fit together"));
         }
-        let object = self.0.object(object);
+        let object = self.0.object(name);
         let corner = |k: i64| {
             let p = corners.row(k as usize);
             Vec3::new(p[0], p[1], p[2])
@@ -189,6 +189,9 @@ impl PyRoom {
     }
 }
 
+/// Sums over paths of radiance (pixels, 3) and of squares (pixels).
+type Sums<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>);
+
 /// A picture that is being made.
 #[pyclass(name = "RoomPicture", frozen, module = "clerestory")]
 pub struct PyRoomPicture {
@@ -232,10 +235,10 @@ impl PyRoomPicture {
     }
 
     /// Sums over paths of the radiance (pixels, 3) and of the squares of the mean of the channels (pixels).
-    fn sums<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, numpy::PyArray1<f64>>)> {
+    fn sums<'py>(&self, py: Python<'py>) -> PyResult<Sums<'py>> {
         let found = self.found.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let sums = found.sums.iter().flatten().copied().collect();
-        Ok((rows(py, sums, 3)?, numpy::PyArray1::from_slice(py, &found.squares)))
+        Ok((rows(py, sums, 3)?, PyArray1::from_slice(py, &found.squares)))
     }
 
     /// Radiance of the sun's disc (pixels, 3) as it is seen directly or through the beams of windows.

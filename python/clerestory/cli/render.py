@@ -44,7 +44,8 @@ def render(
     ] = None,
     view: Annotated[str | None, typer.Option(metavar="NAME", help="View of the recipe; its first by default.")] = None,
     sensors: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Illuminance at these sensors of the recipe, in place of a picture.")
+        str | None,
+        typer.Option(metavar="NAME", help="Illuminance at these sensors of the recipe, in place of a picture."),
     ] = None,
     size: Annotated[str | None, typer.Option(metavar="W,H", help="Pixels; the view's by default.")] = None,
     noise: Annotated[
@@ -55,7 +56,9 @@ def render(
     seconds: Annotated[
         float | None, typer.Option(metavar="S", help="Begin no further pass over the picture after this time.")
     ] = None,
-    glare: Annotated[bool, typer.Option("--glare", help="Rate the glare of the picture, as `clerestory glare` does.")] = False,
+    glare: Annotated[
+        bool, typer.Option("--glare", help="Rate the glare of the picture, as `clerestory glare` does.")
+    ] = False,
     tone_mapped: Annotated[
         bool, typer.Option("--tone-mapped", help="A .png, .pdf or .svg as people see it, not in false colours.")
     ] = False,
@@ -65,9 +68,9 @@ def render(
 ) -> None:
     """Look into a room with daylight: one picture, or illuminance at sensors.
 
-    A recipe describes the room, its windows with their systems, the sky, views and sensors. Light is followed path by
-    path; windows and the sun are asked for light at every surface, and the sun that a window lets pass straight is an exact
-    disc.
+    A recipe describes the room, its windows with their systems, the sky, views and sensors. Light is followed path
+    by path; windows and the sun are asked for light at every surface, and the sun that a window lets pass straight is
+    an exact disc.
 
     Example: clerestory render office -o office.hdr --glare
     """
@@ -98,9 +101,7 @@ def render(
         return
     chosen = _view(made, view, size)
     with progress("tracing") as tell:
-        picture = made.picture(
-            chosen, noise=noise / 100.0, samples=samples, seconds=seconds, seed=seed, progress=tell
-        )
+        picture = made.picture(chosen, noise=noise / 100.0, samples=samples, seconds=seconds, seed=seed, progress=tell)
     if output is not None:
         _write(picture, output, tone_mapped=tone_mapped)
     _tell_picture(picture, output, glare=glare, as_json=as_json)
@@ -193,11 +194,11 @@ def _tell_illuminance(found: Illuminance, output: Path | None, *, as_json: bool)
         )
         return
     if output is None:
-        rows = [
+        lines = [
             [*(f"{v:.2f}" for v in p), f"{e:.0f} ± {s:.0f}"]
             for p, e, s in zip(found.points, found.values, found.standard_errors, strict=True)
         ]
-        say(table(["x [m]", "y [m]", "z [m]", "illuminance [lx]"], rows, left=0))
+        say(table(["x [m]", "y [m]", "z [m]", "illuminance [lx]"], lines, left=0))
     values = found.values
     say(
         f"{len(values)} points: mean {values.mean():.0f} lx, least {values.min():.0f}, greatest {values.max():.0f}; "

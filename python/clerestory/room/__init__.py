@@ -1,7 +1,7 @@
 """Rooms with daylight: pictures and illuminance.
 
-A room is described by a recipe (TOML): a rectangular room or files of shapes, windows with their systems, the sky, views and
-sensors.
+A room is described by a recipe (TOML): a rectangular room or files of shapes, windows with their systems, the sky,
+views and sensors.
 
 Examples
 --------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -71,10 +72,10 @@ def build(box: Box) -> tuple[list[Quads], list[tuple[str, list[tuple[float, floa
         Quads("floor", box.floor, np.array([[(0, 0, 0), (w, 0, 0), (w, d, 0), (0, d, 0)]], dtype=float)),
         Quads("ceiling", box.ceiling, np.array([[(0, 0, h), (0, d, h), (w, d, h), (w, 0, h)]], dtype=float)),
     ]
-    windows = []
+    windows: list[tuple[str, list[tuple[float, float, float]], str]] = []
     for side, wall in walls(box).items():
         openings = [(k, o) for k, o in enumerate(box.openings) if o.wall == side]
-        rectangles = []
+        rectangles: list[tuple[int, tuple[float, float, float, float]]] = []
         for k, opening in openings:
             rectangle = _rectangle(k, opening, wall, h)
             for other, (left, right, low, high) in rectangles:
@@ -112,13 +113,11 @@ def _rectangle(k: int, opening: Opening, wall: Wall, height: float) -> tuple[flo
     return max(left, 0.0), min(right, wall.length), low, min(high, height)
 
 
-def _with_holes(
-    wall: Wall, height: float, holes: Sequence[tuple[float, float, float, float]]
-) -> NDArray[np.float64]:
+def _with_holes(wall: Wall, height: float, holes: Sequence[tuple[float, float, float, float]]) -> NDArray[np.float64]:
     """A wall in columns between all edges of its holes, each cut at the holes that it meets."""
     edges = sorted({0.0, wall.length, *(e for hole in holes for e in hole[:2])})
     quads = []
-    for left, right in zip(edges[:-1], edges[1:], strict=True):
+    for left, right in itertools.pairwise(edges):
         if right - left < NEAR:
             continue
         z = 0.0

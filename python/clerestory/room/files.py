@@ -82,7 +82,9 @@ def _of_scene(scene: RoomScene, path: Path, key: str) -> Taken:
     for surface in [*data_sets, *lights]:
         taken.elsewhere.add(surface)
         if surface in round_ones:
-            raise RecipeError(f"{key}.file: {path}: {surface} is on a round shape (windows and lights are flat polygons)")
+            raise RecipeError(
+                f"{key}.file: {path}: {surface} is on a round shape (windows and lights are flat polygons)"
+            )
     for polygon in scene.polygons:
         if polygon.surface in data_sets:
             found = data_sets[polygon.surface]
@@ -98,9 +100,9 @@ def _of_scene(scene: RoomScene, path: Path, key: str) -> Taken:
             taken.lights.append((polygon.name, polygon.corners.tolist(), radiance))
     if scene.skies or scene.sources:
         taken.warnings.append("its sky and sun are not used: the recipe's are")
-    taken.surfaces = [
-        None if m.name in taken.elsewhere else _translated(m, key) for m in scene.materials
-    ] or [None] * len(scene.surfaces)
+    taken.surfaces = [None if m.name in taken.elsewhere else _translated(m, key) for m in scene.materials] or [
+        None
+    ] * len(scene.surfaces)
     return taken
 
 

@@ -42,8 +42,8 @@ class Rendering:
     radiance: NDArray[np.float64]
     """(height, width, 3) [W/(m² sr)] of Radiance's channels, top row first; 0 outside of the projection."""
     noise: NDArray[np.float64]
-    """(height, width) standard error of the luminance [cd/m²], by the spread of the pixel's paths: an upper bound, as they are
-    stratified."""
+    """(height, width) standard error of the luminance [cd/m²], by the spread of the pixel's paths: an upper bound, as
+    they are stratified."""
     view: str
     """Radiance's options of the view."""
     samples: int
@@ -128,9 +128,7 @@ def render(
             return found
 
 
-def _rendering(
-    picture: _core.RoomPicture, sun: NDArray[np.float64], view: keys.View, seconds: float
-) -> Rendering:
+def _rendering(picture: _core.RoomPicture, sun: NDArray[np.float64], view: keys.View, seconds: float) -> Rendering:
     width, height = view.size_px
     sums, squares = picture.sums()
     n = picture.samples()

@@ -16,7 +16,8 @@ Point = Annotated[list[Number], Field(min_length=3, max_length=3)]
 """x, y, z [m]: east, north, up, unless the sky's north is turned."""
 
 Treatment = Literal["high", "high-peaks", "klems", "klems-peaks"]
-"""How a data set is used: at its own resolution or as a Klems matrix, with or without its through-beam as an explicit peak."""
+"""How a data set is used: at its own resolution or as a Klems matrix, with or without its through-beam as an explicit
+peak."""
 
 LEVELS = (
     "direct",
@@ -201,7 +202,9 @@ class View(Keys):
     """Where it looks."""
     up: Point = Field(default=[0.0, 0.0, 1.0])
     """What is up."""
-    projection: Literal["angular", "hemispherical", "perspective", "cylindrical", "parallel", "planispheric"] = "angular"
+    projection: Literal["angular", "hemispherical", "perspective", "cylindrical", "parallel", "planispheric"] = (
+        "angular"
+    )
     """Angular (equidistant) fisheye, on which glare is evaluated; or another."""
     angle_deg: Annotated[list[Positive], Field(min_length=2, max_length=2)] = Field(default=[180.0, 180.0])
     """Width and height [°]; for a parallel view [m]."""

@@ -87,8 +87,8 @@ class Room:
             self.windows += [WindowOf(name, np.array(corners), system) for name, corners, system in windows]
         for k, geometry in enumerate(recipe.geometry):
             self._add_file(geometry, f"geometry[{k + 1}]")
-        for name, window in recipe.windows.items():
-            self.windows.append(WindowOf(name, np.array(window.corners_m), window.system))
+        for name, polygon in recipe.windows.items():
+            self.windows.append(WindowOf(name, np.array(polygon.corners_m), polygon.system))
         self._bsdfs: dict[str, tuple[Bsdf, list[str | None]]] = {}
         for window in self.windows:
             if window.system not in self._systems:
@@ -207,13 +207,12 @@ class Room:
         from clerestory.room.picture import render
 
         chosen = self.view(view) if isinstance(view, str) else view
-        return render(
-            self._core, chosen, noise=noise, samples=samples, seconds=seconds, seed=seed, progress=progress
-        )
+        return render(self._core, chosen, noise=noise, samples=samples, seconds=seconds, seed=seed, progress=progress)
 
     def _grid(self, sensors: keys.Sensors, key: str) -> NDArray[np.float64]:
         box, height = self.recipe.room, sensors.height_m
-        assert box is not None and height is not None  # noqa: S101 (the recipe was checked)
+        assert box is not None
+        assert height is not None
         rows = []
         for length in (box.width_m, box.depth_m):
             inner = length - 2.0 * sensors.margin_m
@@ -227,7 +226,7 @@ class Room:
     def _add(self, quads: Quads) -> None:
         corners = quads.corners.reshape(-1, 3)
         first = 4 * np.arange(len(quads.corners), dtype=np.int64)[:, None]
-        triangles = np.concatenate([first + [0, 1, 2], first + [0, 2, 3]])
+        triangles = np.concatenate([[*first, 0, 1, 2], [*first, 0, 2, 3]])
         surface = self._surface(quads.name, self._material(quads.material, f"room.{quads.name}"))
         self._shapes.triangles(quads.name, surface, np.ascontiguousarray(corners), np.ascontiguousarray(triangles))
 
@@ -266,7 +265,9 @@ class Room:
             elif geometry.material is not None:
                 material, medium = self._material(geometry.material, f"{key}.material"), AIR
             else:
-                raise RecipeError(f"{key}: nothing is said of the surface {name!r} (add [materials.{name}], or material)")
+                raise RecipeError(
+                    f"{key}: nothing is said of the surface {name!r} (add [materials.{name}], or material)"
+                )
             number = self._shapes.surface(f"{geometry.file}: {name}")
             if number == len(self._surfaces):
                 index = list(self._specs).index(material)
@@ -314,8 +315,7 @@ def _sky(recipe: Recipe) -> Sky:
     try:
         if given.time is not None and recipe.place is not None:
             place = Place(recipe.place.latitude, recipe.place.longitude, recipe.place.timezone)
-            method = "radiance" if given.preset == "radiance" else "spa"
-            sun = SunPosition.at(place, given.time, method=method)
+            sun = SunPosition.at(place, given.time, method="radiance" if given.preset == "radiance" else "spa")
         elif given.sun_deg is not None:
             sun = (given.sun_deg[0], given.sun_deg[1])
         if given.kind == "cie":

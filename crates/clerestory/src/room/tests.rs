@@ -40,7 +40,7 @@ fn clear(altitude: f64, azimuth: f64) -> Sky {
     Sky::perez(&moment(altitude, azimuth), supply, &Settings::default()).expect("a sky")
 }
 
-fn system(transmission: Model, reflection: f64) -> System {
+fn system(transmission: &Model, reflection: f64) -> System {
     let mut band = Band::new("visible");
     for side in Side::BOTH {
         band = band.with(side, Scatter::Transmission, transmission.clone());
@@ -52,11 +52,14 @@ fn system(transmission: Model, reflection: f64) -> System {
 }
 
 fn open() -> System {
-    system(Model::Specular(Specular::constant(1.0).expect("a share")), 0.0)
+    system(&Model::Specular(Specular::constant(1.0).expect("a share")), 0.0)
 }
 
 fn diffuse(transmittance: f64) -> System {
-    system(Model::Lambertian(Lambertian::new(transmittance).expect("a share")), 0.0)
+    system(
+        &Model::Lambertian(Lambertian::new(transmittance).expect("a share")),
+        0.0,
+    )
 }
 
 fn quad(scene: &mut Scene, corners: [Vec3; 4], surface: u32) {
