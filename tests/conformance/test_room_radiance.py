@@ -41,7 +41,7 @@ CASES = [
     Case("film", "klems/cl_Tn0.5.xml", peaks=False, sun=False),
     Case("blind-klems", "klems/blinds30.xml", peaks=False, sun=True),
     Case("blind-tree", "tensortree/b30.xml", peaks=False, sun=False),
-    # Radiance's beams are for the eye and the sun: in its ambient calculation the sky's light is scattered by the table.
+    # Radiance's beams are for the eye and the sun: its ambient calculation scatters the sky's light by the table.
     Case("fabric-aBSDF", "klems/E_Screen_3pct_White-White.xml.gz", peaks=True, sun=True, sky=False),
 ]
 
