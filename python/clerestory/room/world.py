@@ -226,7 +226,7 @@ class Room:
     def _add(self, quads: Quads) -> None:
         corners = quads.corners.reshape(-1, 3)
         first = 4 * np.arange(len(quads.corners), dtype=np.int64)[:, None]
-        triangles = np.concatenate([[*first, 0, 1, 2], [*first, 0, 2, 3]])
+        triangles = np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])])
         surface = self._surface(quads.name, self._material(quads.material, f"room.{quads.name}"))
         self._shapes.triangles(quads.name, surface, np.ascontiguousarray(corners), np.ascontiguousarray(triangles))
 
