@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::picture::{Camera, Projection};
+use crate::picture::{Camera, Projection, mirrored};
 
 /// Geometry of a picture's pixels; pictures of one view and size share it.
 #[derive(Debug, Clone)]
@@ -31,24 +31,24 @@ impl Lens {
         if width == 0 || height == 0 {
             return Err(Error::Argument("the picture has no pixels (give another)".into()));
         }
-        let mut solid_angles = camera.solid_angles(width, height);
-        let mut cosines = vec![0.0; width * height];
+        let [across, down] = camera.distinct(width, height);
+        let mut cosines = vec![0.0; across * down];
         let (dx, dy) = (1.0 / width as f64, 1.0 / height as f64);
-        solid_angles
-            .par_chunks_mut(width)
-            .zip(cosines.par_chunks_mut(width))
-            .enumerate()
-            .for_each(|(row, (omegas, cosines))| {
-                let y = 1.0 - (row as f64 + 0.5) * dy;
-                for (column, (omega, cosine)) in omegas.iter_mut().zip(cosines).enumerate() {
-                    let z = camera.local((column as f64 + 0.5) * dx, y).map_or(0.0, |d| d[2]);
-                    if z > 0.0 {
-                        *cosine = z;
-                    } else {
-                        *omega = 0.0;
-                    }
-                }
-            });
+        cosines.par_chunks_mut(across).enumerate().for_each(|(row, cosines)| {
+            let y = 1.0 - (row as f64 + 0.5) * dy;
+            for (column, cosine) in cosines.iter_mut().enumerate() {
+                *cosine = camera
+                    .local((column as f64 + 0.5) * dx, y)
+                    .map_or(0.0, |d| d[2].max(0.0));
+            }
+        });
+        let cosines = mirrored(&cosines, [across, down], [width, height]);
+        let mut solid_angles = camera.solid_angles(width, height);
+        for (omega, cosine) in solid_angles.iter_mut().zip(&cosines) {
+            if *cosine <= 0.0 {
+                *omega = 0.0;
+            }
+        }
         Ok(Self {
             camera,
             width,

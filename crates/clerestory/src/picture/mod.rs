@@ -18,4 +18,5 @@ mod view;
 pub use camera::Camera;
 pub use image::Picture;
 pub use projection::Projection;
+pub(crate) use solid_angle::mirrored;
 pub use view::View;

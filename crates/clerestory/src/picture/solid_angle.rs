@@ -19,18 +19,19 @@ impl Camera {
     /// Solid angle of each pixel (steradians), row by row from the top: of the spherical quadrangle between the directions of
     /// its corners, as `evalglare` takes it. A pixel with a corner outside of the projection has none.
     pub fn solid_angles(&self, width: usize, height: usize) -> Vec<f64> {
-        let mut made = vec![0.0; width * height];
         if width == 0 || self.view().projection == Projection::Parallel {
-            return made;
+            return vec![0.0; width * height];
         }
+        let [across, down] = self.distinct(width, height);
+        let mut made = vec![0.0; across * down];
         let (dx, dy) = (1.0 / width as f64, 1.0 / height as f64);
         let corners = |row: usize| -> Vec<Option<[f64; 3]>> {
             let y = 1.0 - row as f64 * dy;
-            (0..=width).map(|column| self.local(column as f64 * dx, y)).collect()
+            (0..=across).map(|column| self.local(column as f64 * dx, y)).collect()
         };
-        made.par_chunks_mut(16 * width).enumerate().for_each(|(block, rows)| {
+        made.par_chunks_mut(16 * across).enumerate().for_each(|(block, rows)| {
             let mut upper = corners(16 * block);
-            for (k, row) in rows.chunks_mut(width).enumerate() {
+            for (k, row) in rows.chunks_mut(across).enumerate() {
                 let lower = corners(16 * block + k + 1);
                 for ((omega, a), b) in row.iter_mut().zip(upper.windows(2)).zip(lower.windows(2)) {
                     if let ([Some(a), Some(b)], [Some(d), Some(c)]) = (a, b) {
@@ -40,7 +41,16 @@ impl Camera {
                 upper = lower;
             }
         });
-        made
+        mirrored(&made, [across, down], [width, height])
+    }
+
+    /// Columns and rows of a picture's upper left part, of which the rest is a mirror image; all where it is not.
+    pub(crate) fn distinct(&self, width: usize, height: usize) -> [usize; 2] {
+        if self.view().shift == 0.0 && self.view().lift == 0.0 {
+            [width.div_ceil(2), height.div_ceil(2)]
+        } else {
+            [width, height]
+        }
     }
 
     /// Solid angle of each pixel (steradians), row by row from the top, integrated over the pixel, with what of it is inside of
@@ -70,6 +80,20 @@ impl Camera {
         });
         made
     }
+}
+
+/// The whole picture from its distinct part.
+pub(crate) fn mirrored(part: &[f64], [across, down]: [usize; 2], [width, height]: [usize; 2]) -> Vec<f64> {
+    let mut whole = vec![0.0; width * height];
+    whole.par_chunks_mut(width).enumerate().for_each(|(row, target)| {
+        let row = if row < down { row } else { height - 1 - row };
+        let source = &part[row * across..(row + 1) * across];
+        target[..across].copy_from_slice(source);
+        for (value, from) in target[across..].iter_mut().zip(source[..width - across].iter().rev()) {
+            *value = *from;
+        }
+    });
+    whole
 }
 
 /// Integral of a smooth function between two limits.
@@ -171,6 +195,18 @@ mod tests {
             let (quick, exact) = (camera.solid_angles(200, 200), camera.exact_solid_angles(200, 200));
             for (k, (a, b)) in quick.iter().zip(&exact).enumerate() {
                 assert!(*a > 0.0 && (a - b).abs() < 5e-4 * b, "{options} {k}: {a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn mirror_images_are_what_they_stand_for() {
+        for (width, height) in [(7, 5), (8, 6), (1, 1), (2, 9)] {
+            let quick = camera("-vta -vh 180 -vv 150").solid_angles(width, height);
+            // The same view but for a shift that no digit sees.
+            let whole = camera("-vta -vh 180 -vv 150 -vs 1e-20").solid_angles(width, height);
+            for (a, b) in quick.iter().zip(&whole) {
+                assert!((a - b).abs() < 1e-12, "{width} {height}: {a} {b}");
             }
         }
     }
