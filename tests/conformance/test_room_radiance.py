@@ -48,7 +48,7 @@ CASES = [
 
 
 def _one_way(path: Path) -> clerestory.Bsdf:
-    """The data without the transmission from the interior, which in many fabrics' files is not the reverse of the other:
+    """The data without the transmission from the interior, which in many fabrics' files is not the other's reverse:
     Radiance would take it, as it takes the viewer's side, and we that of the light's.
     """
     models = clerestory.read(path).models["visible"]
