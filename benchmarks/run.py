@@ -18,8 +18,10 @@ import goniophotometer  # noqa: E402
 import loading  # noqa: E402
 import lookups  # noqa: E402
 import rays  # noqa: E402
+import rooms  # noqa: E402
 import round_robin  # noqa: E402
 import shading  # noqa: E402
+import treatments  # noqa: E402
 from samples import sample_root  # noqa: E402
 from timing import machine  # noqa: E402
 
@@ -35,6 +37,10 @@ CHAPTERS = {
         "rays": rays.report,
         "shading": shading.report,
         "round-robin": round_robin.report,
+    },
+    "Rooms": {
+        "rooms": rooms.report,
+        "treatments": treatments.report,
     },
     "Glare": {
         "glare": glare.report,
