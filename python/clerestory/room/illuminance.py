@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -57,9 +58,12 @@ def measure(
     normals = np.ascontiguousarray(normals, dtype=np.float64)
     if points.ndim != 2 or points.shape[1:] != (3,) or points.shape != normals.shape or not len(points):
         raise ClerestoryError(f"points {points.shape} and normals {normals.shape} do not fit (give (n, 3) of each)")
+    if samples is not None and not 1 <= samples <= MOST:
+        raise ClerestoryError(f"{samples} paths a sensor cannot be (give 1 to {MOST})")
     if not 0.0 < error < 1.0:
         raise ClerestoryError(f"an error of {error:g} is not one to reach (give 0.01 for one per cent)")
-    paths = samples or LEAST
+    # Sixteen replications give the errors.
+    paths = LEAST if samples is None else 16 * max(math.ceil(samples / 16), 1)
     while True:
         last = samples is not None or paths >= MOST
         values, errors = room.irradiance(points, normals, paths, seed, progress if last else None)

@@ -163,7 +163,7 @@ class Room:
         error
             Relative standard error to reach at the mean of the sensors.
         samples
-            Paths a sensor, instead.
+            Paths a sensor, instead; rounded up to a multiple of 16.
         seed
             Of the random numbers: the same seed gives the same numbers for any number of threads.
         progress
