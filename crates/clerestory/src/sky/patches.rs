@@ -211,6 +211,10 @@ impl SkyPatches {
         }
         let wanted = sky.diffuse_horizontal();
         let at_centres = sky.settings().preset == Preset::RadianceMatrix;
+        if at_centres && made[2..].iter().all(|radiance| *radiance == made[1]) {
+            // The even sky that stands for an undefined one is E/π, and not normalised.
+            return;
+        }
         let mut found = [0.0; 3];
         for (patch, radiance) in made.iter().enumerate().skip(1) {
             let weight = if at_centres {
