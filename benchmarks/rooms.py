@@ -17,9 +17,9 @@ from timing import table
 SIZE = 400
 RINGS, SECTORS = 4, 12
 #: Paths a pixel of ours, and of the reference.
-OURS, REFERENCE = (2, 8, 32), 512
-#: Radiance's ambient divisions and accuracy: coarse, usual, fine.
-THEIRS = ((512, 0.2), (2048, 0.12), (8192, 0.08))
+OURS, REFERENCE = (2, 8, 32), 192
+#: Radiance's ambient divisions and accuracy: coarse and usual.
+THEIRS = ((256, 0.25), (1024, 0.15))
 
 
 def _regions(view: View) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -16,7 +16,7 @@ TREATMENTS = ("klems", "klems-peaks", "high", "high-peaks")
 FABRIC = "twill-1-percent"
 #: Cells along an axis of the tensor tree, 2 to this power, and paths a cell.
 LEVELS, PATHS = 6, 2048
-SIZE, SAMPLES = 400, 16
+SIZE, SAMPLES = 400, 8
 
 
 def fabric(folder: Path) -> Path:
