@@ -32,6 +32,8 @@ def office(path: Path, treatment: str, sky: dict[str, Any]) -> room.Room:
     tables = read_toml(room.shipped.path_of("office") or "")
     tables["systems"] = {"window": {"file": str(path), "treatment": treatment}}
     tables["sky"] = {**tables["sky"], **sky}
+    # The report's hours are of Central European Time, in summer too.
+    tables["place"]["timezone"] = 1.0
     return room.load(tables)
 
 
@@ -59,7 +61,7 @@ def report(data: Path) -> str:
     return f"""### Treatments of a fabric
 
 The shipped office ({SIZE} × {SIZE} pixels, {SAMPLES} paths a pixel, view `desk`) with the shipped 1 % open twill
-alone in its south window, Preetham's clear sky of turbidity 3, Aldrans, 14:00. The twill was traced to a tensor
+alone in its south window, Preetham's clear sky of turbidity 3, Aldrans, 14:00 CET. The twill was traced to a tensor
 tree of {1 << LEVELS} × {1 << LEVELS} directions on either side; `klems` is the Klems matrix of it. The report's
 figures 55 to 62 are of measured fabrics in another room, whose plan, reflectances and view are not in its text.
 
