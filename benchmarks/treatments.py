@@ -29,7 +29,7 @@ def fabric(folder: Path) -> Path:
 
 def office(path: Path, treatment: str, sky: dict[str, Any]) -> room.Room:
     """The office that comes with Clerestory, with the fabric in its window."""
-    tables = read_toml(room.shipped.path_of("office") or "")
+    tables = read_toml(room.shipped.ROOMS.path_of("office") or "")
     tables["systems"] = {"window": {"file": str(path), "treatment": treatment}}
     tables["sky"] = {**tables["sky"], **sky}
     # The report's hours are of Central European Time, in summer too.

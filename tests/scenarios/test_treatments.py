@@ -21,7 +21,7 @@ def rated(tmp_path_factory):
     trace.measure("twill-1-percent", basis="tensor4", resolution=5, samples=2048).write(path)
     found = {}
     for treatment in TREATMENTS:
-        tables = read_toml(room.shipped.path_of("office"))
+        tables = read_toml(room.shipped.ROOMS.path_of("office"))
         tables["systems"]["window"] = {"file": str(path), "treatment": treatment}
         tables["sky"] = {"kind": "preetham", "turbidity": 3.0, "sun_deg": [CUT_OFF_DEG - 10.0, 180.0]}
         # Near enough to the window to see the sun through it.

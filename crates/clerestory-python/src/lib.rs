@@ -48,7 +48,7 @@ mod _core {
     #[pymodule_export]
     use crate::room_scene::read_room_scene;
     #[pymodule_export]
-    use crate::sky::{PySky, PySkyPatches, cie_names, gensky_factor, sky_picture, sun_by_radiance};
+    use crate::sky::{PySky, PySkyPatches, cie_names, gensky_factor, sun_by_radiance};
     #[pymodule_export]
     use crate::system::PySystem;
     #[pymodule_export]

@@ -1,15 +1,13 @@
 //! Skies and their patches.
 
 use clerestory::geometry::Vec3;
-use clerestory::picture::{Picture, View, hdr, openexr};
 use clerestory::sky::patches::{Part, SkyPatches, SunPatches, Value};
 use clerestory::sky::perez::Supply;
 use clerestory::sky::{
     Distribution, Level, Moment, Place, Preset, Quantity, Settings, Sky, SunPosition, Traditional, cie, day_of_year,
 };
-use numpy::{PyArray1, PyArray2, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods, ToPyArray};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
 use rayon::prelude::*;
 
 use crate::arrays::rows;
@@ -338,33 +336,6 @@ pub fn gensky_factor(kind: &str, altitude: f64) -> PyResult<f64> {
 #[pyfunction]
 pub fn cie_names() -> Vec<&'static str> {
     cie::NAMES.to_vec()
-}
-
-/// The bytes of a picture, `rgbe` or `exr`, of radiances (n, n, 3) in an angular fisheye that looks up, y at the top.
-#[pyfunction]
-pub fn sky_picture<'py>(
-    py: Python<'py>,
-    pixels: PyReadonlyArray3<'py, f32>,
-    form: &str,
-    header: Vec<String>,
-) -> PyResult<Bound<'py, PyBytes>> {
-    let &[height, width, 3] = pixels.shape() else {
-        return Err(ClerestoryError::new_err("a picture is an array (height, width, 3)"));
-    };
-    let values = pixels
-        .as_array()
-        .rows()
-        .into_iter()
-        .map(|p| [p[0], p[1], p[2]])
-        .collect();
-    let mut picture = Picture::new(width, height, values).map_err(raise)?;
-    picture.view = Some(View::parse("-vta -vp 0 0 0 -vd 0 0 1 -vu 0 1 0 -vh 180 -vv 180").map_err(raise)?);
-    picture.header = header;
-    let bytes = match form {
-        "exr" => openexr::write(&picture).map_err(raise)?,
-        _ => hdr::write(&picture),
-    };
-    Ok(PyBytes::new(py, &bytes))
 }
 
 fn degrees(sun: SunPosition) -> (f64, f64) {

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from clerestory.basis import Basis
     from clerestory.bsdf import Bsdf
     from clerestory.directions import Scatter, Side
+    from clerestory.trace.shipped import Shelf
 
 FileArgument = Annotated[
     Path, typer.Argument(metavar="FILE", help="BSDF file: .xml, .xml.gz or .bsdf.npz.", show_default=False)
@@ -245,3 +246,12 @@ def refuse_overwriting(output: Path, inputs: Sequence[Path]) -> None:
     for path in inputs:
         if output.exists() and path.exists() and output.samefile(path):
             raise UsageError(f"{output}: the output would overwrite an input (choose another name)")
+
+
+def list_shipped(shelf: Shelf, *, as_json: bool) -> None:
+    """Print the recipes of a shelf, and what each is."""
+    found = [{"name": name, "what": shelf.about(name), "file": shelf.path_of(name)} for name in shelf.names()]
+    if as_json:
+        print_json(found)
+        return
+    say(table([shelf.what, ""], [[str(f["name"]), str(f["what"])] for f in found], left=2))

@@ -10,6 +10,7 @@ import typer
 from clerestory.cli.common import (
     JsonOption,
     UsageError,
+    list_shipped,
     note,
     numbers,
     print_json,
@@ -77,7 +78,9 @@ def render(
     from clerestory import room
 
     if list_all:
-        _list(as_json=as_json)
+        from clerestory.room.shipped import ROOMS
+
+        list_shipped(ROOMS, as_json=as_json)
         return
     if scene is None:
         raise UsageError("SCENE is missing (give a recipe, or see --list)")
@@ -204,13 +207,3 @@ def _tell_illuminance(found: Illuminance, output: Path | None, *, as_json: bool)
         f"{len(values)} points: mean {values.mean():.0f} lx, least {values.min():.0f}, greatest {values.max():.0f}; "
         f"{found.samples} paths each"
     )
-
-
-def _list(*, as_json: bool) -> None:
-    from clerestory.room.shipped import about, names, path_of
-
-    found = [{"name": name, "what": about(name), "file": path_of(name)} for name in names()]
-    if as_json:
-        print_json(found)
-        return
-    say(table(["room", ""], [[str(f["name"]), str(f["what"])] for f in found], left=2))

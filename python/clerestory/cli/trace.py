@@ -13,6 +13,7 @@ from clerestory.cli.common import (
     JsonOption,
     UsageError,
     angle_pair,
+    list_shipped,
     note,
     numbers,
     one_of,
@@ -125,7 +126,9 @@ def trace(
     Example: clerestory trace round-robin-blind -o blind.xml
     """
     if list_all:
-        _list(as_json=as_json)
+        from clerestory.trace.shipped import RECIPES
+
+        list_shipped(RECIPES, as_json=as_json)
         return
     if sample is None:
         raise UsageError("SAMPLE: none is given (give a recipe, or --list for those that come with Clerestory)")
@@ -421,13 +424,3 @@ def _rays(
     with _bar() as tell:
         count = write_rays(made, path, towards, sides[0], paths, settings, progress=tell)
     return {"file": path, "rays": count, "paths": paths}
-
-
-def _list(*, as_json: bool) -> None:
-    from clerestory.trace.shipped import about, names, path_of
-
-    found = [{"name": name, "what": about(name), "file": path_of(name)} for name in names()]
-    if as_json:
-        print_json(found)
-        return
-    say(table(["recipe", ""], [[str(f["name"]), str(f["what"])] for f in found], left=2))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clerestory._core import ClerestoryError
+from clerestory.photometry import LUMINANCE
 from clerestory.picture.display import tone_map
 from clerestory.picture.image import Picture
 from clerestory.plot.style import COLOURS, figures, new_figure, styled
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
 
 LISTED = 8
 """Sources that the table holds."""
-# Radiance's shares of the channels in the luminance.
-_WEIGHTS = np.array([0.265074126, 0.670114631, 0.064811243])
 
 
 def _labels(found: Evaluation) -> NDArray[np.uint32]:
@@ -43,7 +42,7 @@ def check_hdr(picture: Picture, found: Evaluation) -> Picture:
     pixels = np.repeat((picture.luminance / 179.0)[..., None], 3, axis=2).astype(np.float64)
     for number in range(1, len(found.sources) + 1):
         colour = _rgb(number) + 0.02
-        pixels[labels == number] *= colour / (colour @ _WEIGHTS)
+        pixels[labels == number] *= colour / (colour @ LUMINANCE)
     return Picture(pixels, picture.view, header=picture.header)
 
 

@@ -5,22 +5,22 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from clerestory import _core
 from clerestory.room import recipe as keys
 from clerestory.room.scene import UNITS, RoomScene
 from clerestory.trace.keys import RecipeError
+from clerestory.trace.kinds.radiance import COUNTS, numbers_of
 from clerestory.trace.materials import Spec
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from clerestory.room.scene import Light, Material
+    from clerestory.room.scene import Light
+    from clerestory.trace.kinds.radiance import Found as Material
 
-COUNTS = {"plastic": (5,), "metal": (5,), "trans": (7,), "glass": (3, 4), "mirror": (3,), "dielectric": (5,)}
-"""Numbers of the materials that scatter."""
 SCENES = (".rad", ".obj")
 """Suffixes of files with materials of their own."""
 MESHES = (".stl", ".ply")
@@ -124,9 +124,6 @@ def _translated(material: Material, key: str) -> Found:
             f"[materials.{material.name}])"
         )
     colour, rest = material.numbers[:3], material.numbers[3:]
-    numbers: dict[str, Any] = {"colour": colour}
-    names = ("specularity", "roughness", "transmission", "transmitted_specularity")
-    numbers |= {name: [value] for name, value in zip(names, rest, strict=False)}
     if material.kind == "dielectric":
         index = rest[0]
         if not (all(0.0 < t <= 1.0 for t in colour) and index >= 1.0):
@@ -141,8 +138,4 @@ def _translated(material: Material, key: str) -> Found:
             "asymmetry": [0.0] * 3,
         }
         return Found(Spec("interface", {}, opaque=False), medium)
-    if material.kind == "glass":
-        numbers = {"transmissivity": colour, "index": [rest[0] if rest else 1.52]}
-    elif material.kind == "mirror":
-        numbers = {"reflectance": colour}
-    return Found(Spec(material.kind, numbers))
+    return Found(Spec(material.kind, numbers_of(material.kind, colour, rest)))

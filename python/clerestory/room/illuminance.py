@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clerestory._core import ClerestoryError
+from clerestory.photometry import EFFICACY, LUMINANCE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -17,10 +18,6 @@ if TYPE_CHECKING:
 
     from clerestory import _core
 
-WEIGHTS = np.array([0.265074126, 0.670114631, 0.064811243])
-"""Share of luminance of Radiance's channels."""
-EFFICACY = 179.0
-"""[lm/W]"""
 LEAST, MOST = 256, 1 << 24
 """Paths a sensor: of the first run, and at most."""
 
@@ -67,9 +64,9 @@ def measure(
     while True:
         last = samples is not None or paths >= MOST
         values, errors = room.irradiance(points, normals, paths, seed, progress if last else None)
-        lux = EFFICACY * values @ WEIGHTS
+        lux = EFFICACY * values @ LUMINANCE
         # The channels share their paths, so that their errors add up.
-        lux_errors = EFFICACY * errors @ WEIGHTS
+        lux_errors = EFFICACY * errors @ LUMINANCE
         reached = float(np.sqrt(np.mean(lux_errors**2)) / max(lux.mean(), 1e-12))
         if last or reached <= error or lux.mean() == 0.0:
             if progress is not None:

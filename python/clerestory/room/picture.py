@@ -10,7 +10,7 @@ import numpy as np
 
 from clerestory import _core
 from clerestory._core import ClerestoryError
-from clerestory.room.illuminance import EFFICACY, WEIGHTS
+from clerestory.photometry import EFFICACY, LUMINANCE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -54,7 +54,7 @@ class Rendering:
     @property
     def luminance(self) -> NDArray[np.float64]:
         """(height, width) [cd/m²]."""
-        return np.asarray(EFFICACY * self.radiance @ WEIGHTS)
+        return np.asarray(EFFICACY * self.radiance @ LUMINANCE)
 
     def picture(self) -> Picture:
         """The same as a picture that can be written and rated."""
@@ -114,18 +114,20 @@ def render(
                 progress((done + part * paths) / samples)
 
         picture.add(paths, share)
-        found = _rendering(picture, sun, view, time.perf_counter() - start)
+        taken = time.perf_counter() - start
+        over = seconds is not None and taken >= seconds
         if samples is not None:
-            finished = found.samples >= samples
-        else:
-            reached = found.relative_noise
-            finished = reached <= noise or found.samples >= MOST
-            if progress is not None:
-                parts = [(noise / reached) ** 2 if reached > 0.0 else 1.0]
-                parts += [found.seconds / seconds] if seconds is not None else []
-                progress(min(max(parts), 1.0))
-        if finished or (seconds is not None and found.seconds >= seconds):
+            if over or picture.samples() >= samples:
+                return _rendering(picture, sun, view, taken)
+            continue
+        found = _rendering(picture, sun, view, taken)
+        reached = found.relative_noise
+        if over or reached <= noise or found.samples >= MOST:
             return found
+        if progress is not None:
+            parts = [(noise / reached) ** 2]
+            parts += [taken / seconds] if seconds is not None else []
+            progress(max(parts))
 
 
 def _rendering(picture: _core.RoomPicture, sun: NDArray[np.float64], view: keys.View, seconds: float) -> Rendering:

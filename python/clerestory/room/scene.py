@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from clerestory import _core
+from clerestory.trace.kinds.radiance import Found
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -20,23 +21,6 @@ UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "inch": 0.0254, "foot": 0.3048}
 
 Vector = tuple[float, float, float]
 Rgb = tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class Material:
-    """A material as the file has it."""
-
-    name: str
-    kind: str
-    """Its type, for example `plastic`."""
-    words: list[str]
-    """Its text arguments."""
-    numbers: list[float]
-    """Its real arguments."""
-    metres_per_unit: float
-    """Metres that a unit of length in its arguments is."""
-    place: str
-    """File and line of its definition."""
 
 
 @dataclass(frozen=True)
@@ -133,7 +117,7 @@ class RoomScene:
     """All shapes, with those that shine or scatter like a data set."""
     surfaces: tuple[str, ...]
     """Names of the surfaces, one a material in use."""
-    materials: tuple[Material, ...]
+    materials: tuple[Found, ...]
     """Material of each surface."""
     objects: tuple[str, ...]
     """Names of the objects."""
@@ -184,7 +168,7 @@ class RoomScene:
         return cls(
             shapes=scene,
             surfaces=surfaces,
-            materials=tuple(Material(*row) for row in scene.materials()),
+            materials=tuple(Found(*row) for row in scene.materials()),
             objects=objects,
             elements=parts["elements"],
             polygons=tuple(

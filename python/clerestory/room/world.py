@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,10 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from clerestory import _core
+from clerestory.photometry import EFFICACY
 from clerestory.room.builder import Quads, build
 from clerestory.room.files import Found, take
 from clerestory.room.recipe import LEVELS, Recipe
-from clerestory.room.shipped import names, path_of
+from clerestory.room.shipped import ROOMS
 from clerestory.trace.bands import Bands
 from clerestory.trace.keys import RecipeError, suggestion
 from clerestory.trace.materials import Spec
@@ -21,7 +24,6 @@ from clerestory.trace.media import Medium
 from clerestory.trace.recipe import read_toml
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Callable
 
     from numpy.typing import NDArray
@@ -35,8 +37,6 @@ if TYPE_CHECKING:
 CHANNELS = Bands(names=["red", "green", "blue"])
 """Radiance's channels, which are the bands of a room."""
 AIR = "air"
-EFFICACY = 179.0
-"""Luminous efficacy of the visible watts in pictures [lm/W]."""
 
 
 @dataclass(frozen=True)
@@ -230,11 +230,12 @@ class Room:
         surface = self._surface(quads.name, self._material(quads.material, f"room.{quads.name}"))
         self._shapes.triangles(quads.name, surface, np.ascontiguousarray(corners), np.ascontiguousarray(triangles))
 
-    def _surface(self, name: str, material: str) -> int:
+    def _surface(self, name: str, material: str, behind: str = AIR) -> int:
+        """Number of a surface; a new one gets its material, and the medium behind its front."""
         number = self._shapes.surface(name)
         if number == len(self._surfaces):
             index = list(self._specs).index(material)
-            self._surfaces.append(((index, index), (0, 0)))
+            self._surfaces.append(((index, index), (0, list(self._media).index(behind))))
         return number
 
     def _material(self, given: str | float, key: str) -> str:
@@ -268,11 +269,7 @@ class Room:
                 raise RecipeError(
                     f"{key}: nothing is said of the surface {name!r} (add [materials.{name}], or material)"
                 )
-            number = self._shapes.surface(f"{geometry.file}: {name}")
-            if number == len(self._surfaces):
-                index = list(self._specs).index(material)
-                self._surfaces.append(((index, index), (0, list(self._media).index(medium))))
-            numbers.append(number)
+            numbers.append(self._surface(f"{geometry.file}: {name}", material, medium))
         self._shapes.scene(taken.scene, numbers)
         for name, corners, system in taken.windows:
             self.windows.append(WindowOf(name, corners, system.file or ""))
@@ -311,6 +308,15 @@ def _sky(recipe: Recipe) -> Sky:
         "ground_reflectance": given.ground_reflectance,
         "north_deg": given.north_deg,
     }
+    # The traditional skies take what the general ones do.
+    make = getattr(Sky, given.kind)
+    known = inspect.signature(make if given.kind in ("perez", "preetham") else Sky.cie).parameters
+    for name in LEVELS:
+        if name in options and name not in known:
+            raise RecipeError(
+                f"sky.{name}: a sky of kind {given.kind} takes none "
+                f"(give one of {', '.join(level for level in LEVELS if level in known)})"
+            )
     sun: Any = None
     try:
         if given.time is not None and recipe.place is not None:
@@ -320,10 +326,7 @@ def _sky(recipe: Recipe) -> Sky:
             sun = (given.sun_deg[0], given.sun_deg[1])
         if given.kind == "cie":
             return Sky.cie(given.type or 0, sun, **options)
-        make = getattr(Sky, given.kind)
         made: Sky = make(**options) if sun is None else make(sun, **options)
-    except TypeError as error:
-        raise RecipeError(f"sky: {error}") from error
     except _core.ClerestoryError as error:
         raise RecipeError(f"sky: {error}") from error
     return made
@@ -375,12 +378,7 @@ def load(source: str | os.PathLike[str] | Mapping[str, Any] | Room) -> Room:
         return source
     if isinstance(source, Mapping):
         return Room(Recipe.of(source))
-    path = Path(source)
-    shipped = path_of(str(source)) if not path.suffix else None
-    if shipped is None and not path.suffix and not path.exists():
-        hint = suggestion(str(source), names())
-        raise RecipeError(f"{source}: no room has this name ({hint}; `clerestory render --list` tells more)")
-    path = shipped or path
+    path = ROOMS.find(os.fspath(source))
     try:
         return Room(Recipe.of(read_toml(path)), path.parent)
     except RecipeError as error:

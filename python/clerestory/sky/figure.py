@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.patches import Circle
 
+from clerestory.photometry import EFFICACY, LUMINANCE
 from clerestory.plot import style
 from clerestory.sky.picture import fisheye, place
 from clerestory.sky.position import SunPosition
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from clerestory.sky.model import Sky
 
 _PIXELS = 600
-_WEIGHTS = 179.0 * np.array([0.265074126, 0.670114631, 0.064811243])
 
 
 @style.styled
@@ -36,7 +36,7 @@ def falsecolour(sky: Sky, *, scale: style.Scale = "log", limits: tuple[float, fl
         Ends of the scale [cd/m², or W/(m² sr)].
     """
     visible = sky.settings.quantity == "visible"
-    image = fisheye(sky, _PIXELS, with_sun=False) @ (_WEIGHTS if visible else _WEIGHTS / 179.0)
+    image = fisheye(sky, _PIXELS, with_sun=False) @ (EFFICACY * LUMINANCE if visible else LUMINANCE)
     y, x = np.meshgrid(np.arange(_PIXELS) + 0.5, np.arange(_PIXELS) + 0.5, indexing="ij")
     inside = np.hypot(2 * x / _PIXELS - 1, 2 * y / _PIXELS - 1) <= 1.0
     values = np.where(inside, image, np.nan)

@@ -10,6 +10,7 @@ import numpy as np
 
 from clerestory import _core
 from clerestory._core import ClerestoryError
+from clerestory.photometry import EFFICACY, LUMINANCE
 from clerestory.sky.patches import SkyPatches
 from clerestory.sky.position import SunPosition
 
@@ -25,10 +26,6 @@ Colour = Literal["grey", "radiance"]
 PRESETS: tuple[Preset, ...] = ("clerestory", "radiance", "radiance-matrix")
 PARTS: tuple[Part, ...] = ("all", "sky", "sun")
 
-EFFICACY = 179.0
-"""Lumens of a visible watt in Radiance's pictures."""
-LUMINANCE = np.array([0.265074126, 0.670114631, 0.064811243])
-"""Share of luminance of Radiance's three channels."""
 COLOURS: dict[Colour, tuple[float, float, float]] = {"grey": (1.0, 1.0, 1.0), "radiance": (0.960, 1.004, 1.118)}
 SOLAR_DIAMETER_DEG = 0.533
 

@@ -9,12 +9,14 @@ import numpy as np
 
 from clerestory import _core
 from clerestory._core import ClerestoryError
+from clerestory.picture import Picture, View
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from clerestory.sky.model import Sky, SunDisc
 
+_UPWARD = "-vta -vp 0 0 0 -vd 0 0 1 -vu 0 1 0 -vh 180 -vv 180"
 _SPLIT = 8  # parts of a pixel, each way, that the sun's disc covers or not
 
 
@@ -61,7 +63,8 @@ def to_bytes(sky: Sky, size: int, form: str) -> bytes:
         f"SOFTWARE= Clerestory {_core.__version__}",
         f"SKY= {settings.kind}, preset {settings.preset}, {settings.quantity} watts, sun {settings.sun.words}",
     ]
-    return _core.sky_picture(fisheye(sky, size, with_sun=True).astype(np.float32), form, header)
+    picture = Picture(fisheye(sky, size, with_sun=True), View(_UPWARD), header=header)
+    return picture._core.to_bytes(form)
 
 
 def _add_sun(image: NDArray[np.float64], inside: NDArray[np.bool_], disc: SunDisc) -> None:

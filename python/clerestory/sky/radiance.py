@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clerestory import _core
+from clerestory.photometry import LUMINANCE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -126,7 +127,7 @@ def function_file(sky: Sky) -> str | None:
     # The colour as the core has it: of luminance 1.
     colour = np.array(sky.settings.colour)
     if sky.settings.preset == "clerestory":
-        colour = colour / float(colour @ np.array([0.265074126, 0.670114631, 0.064811243]))
+        colour = colour / float(colour @ LUMINANCE)
     if blends:
         lines.append("blend(sky, ground) = ((Dz+1.01)^10*sky + (Dz+1.01)^-10*ground) / ((Dz+1.01)^10 + (Dz+1.01)^-10);")
         values = [f"blend({factor:.12g} * grey, {g:.12g})" for factor, g in zip(colour, sky.ground, strict=True)]

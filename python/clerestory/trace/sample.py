@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,17 +10,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from clerestory import _core
-from clerestory.trace.keys import RecipeError, suggestion
+from clerestory.trace.keys import RecipeError
 from clerestory.trace.materials import Measured, Spec
 from clerestory.trace.media import Medium
 from clerestory.trace.recipe import Recipe, read_toml
 from clerestory.trace.shapes import AIR, Section, Solids
-from clerestory.trace.shipped import names, path_of
+from clerestory.trace.shipped import RECIPES
 from clerestory.trace.workshop import SMOOTH, Workshop
 
 if TYPE_CHECKING:
-    import os
-
     from clerestory.trace.shapes import Face, Shape
 
 
@@ -168,12 +167,7 @@ def load(source: str | os.PathLike[str] | Mapping[str, Any] | Sample) -> Sample:
         return source
     if isinstance(source, Mapping):
         return Sample(Recipe.of(source))
-    path = Path(source)
-    shipped = path_of(str(source)) if not path.suffix else None
-    if shipped is None and not path.suffix and not path.exists():
-        hint = suggestion(str(source), names())
-        raise RecipeError(f"{source}: no recipe has this name ({hint}; `clerestory trace --list` tells more)")
-    path = shipped or path
+    path = RECIPES.find(os.fspath(source))
     shown = str(source)
     try:
         tables = read_toml(path)

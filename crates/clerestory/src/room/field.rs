@@ -1,6 +1,8 @@
 //! What a window sends into the room when nothing but sky and ground stands before it: one radiance a direction, the same
 //! from every point of it.
 
+use std::convert::Infallible;
+
 use rayon::prelude::*;
 
 use crate::bsdf::{Matrix, Model, Rank, Scatterer, Tree};
@@ -18,8 +20,6 @@ const INCIDENT: usize = 128;
 const OUTGOING: usize = 128;
 /// Incident directions that are drawn for an outgoing one where a model is no table.
 const DRAWN: u32 = 512;
-/// A branch of a tree, as in its storage.
-const BRANCH: u32 = 1 << 31;
 
 /// What arrives at the window from outside: the means over the cells of the square, in W/(m² sr), and the sun's disc as a few
 /// directions, each with its irradiance on a plane that faces it (W/m²).
@@ -222,7 +222,14 @@ fn of_leaves(tree: &Tree, incident: &Incident) -> Vec<Rgb> {
     }
     light.reverse();
     let mut sums: Vec<Vec<Rgb>> = (0..=levels).map(|level| vec![[0.0; 3]; 1 << (2 * level)]).collect();
-    visit(tree, tree.root(), 0, [0; 4], &light, &mut sums);
+    for top in tree.top() {
+        let Ok(()) = tree.visit_leaves(top, &mut |_| Ok::<(), Infallible>(()), &mut |level, cell, value| {
+            let arrives = light[level][(cell[0] << level) + cell[1]];
+            for (s, l) in sums[level][(cell[2] << level) + cell[3]].iter_mut().zip(arrives) {
+                *s += value * l;
+            }
+        });
+    }
     for level in 0..levels {
         let (n, m) = (1_usize << level, 2_usize << level);
         for cell in 0..m * m {
@@ -233,22 +240,4 @@ fn of_leaves(tree: &Tree, incident: &Incident) -> Vec<Rgb> {
         }
     }
     sums.pop().unwrap_or_default()
-}
-
-fn visit(tree: &Tree, entry: u32, level: usize, cell: [usize; 4], light: &[Vec<Rgb>], sums: &mut [Vec<Rgb>]) {
-    if entry & BRANCH == 0 {
-        let value = f64::from(f32::from_bits(entry));
-        if value > 0.0 {
-            let arrives = light[level][(cell[0] << level) + cell[1]];
-            for (s, l) in sums[level][(cell[2] << level) + cell[3]].iter_mut().zip(arrives) {
-                *s += value * l;
-            }
-        }
-        return;
-    }
-    let block = ((entry & !BRANCH) as usize) << 4;
-    for child in 0..16 {
-        let finer = std::array::from_fn(|axis| cell[axis] << 1 | child >> axis & 1);
-        visit(tree, tree.entries()[block + child], level + 1, finer, light, sums);
-    }
 }

@@ -22,11 +22,13 @@ pub use picture::{Accumulated, Picture};
 pub use sensor::{Estimate, Sensor};
 pub use window::{System, Window};
 
+use std::f64::consts::TAU;
+
 use crate::error::{Error, Result};
 use crate::geometry::{Extent, Geometry, Mesh, Scene, Vec3};
 use crate::material::{Material, Medium, Surface};
 use crate::progress::Progress;
-use crate::sky::Sky;
+use crate::sky::{Sky, disc_solid_angle};
 
 use self::emitter::Emitters;
 use self::polygon::Polygon;
@@ -78,7 +80,10 @@ pub struct Room {
 struct Disc {
     direction: Vec3,
     radiance: Rgb,
-    cos_half_angle: f64,
+    /// (sr)
+    solid_angle: f64,
+    /// From its middle to its rim on the unit sphere: a cosine near 1 has lost its digits.
+    chord: f64,
     /// Two axes across.
     across: [Vec3; 2],
 }
@@ -88,27 +93,22 @@ impl Disc {
         Self {
             direction: sun.direction,
             radiance: sun.radiance,
-            cos_half_angle: sun.half_angle.cos(),
+            solid_angle: disc_solid_angle(sun.half_angle),
+            chord: 2.0 * (sun.half_angle / 2.0).sin(),
             across: sun.direction.frame(),
         }
     }
 
-    /// Solid angle (sr).
-    fn solid_angle(&self) -> f64 {
-        std::f64::consts::TAU * (1.0 - self.cos_half_angle)
-    }
-
     /// A point of it, uniform in solid angle.
     fn sample(&self, u: [f64; 2]) -> Vec3 {
-        let cos = 1.0 - u[0] * (1.0 - self.cos_half_angle);
+        let cos = 1.0 - u[0] * self.solid_angle / TAU;
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
         let [x, y] = crate::sequence::circle(u[1]);
         (self.across[0] * (sin * x) + self.across[1] * (sin * y) + self.direction * cos).unit()
     }
 
     fn holds(&self, direction: Vec3) -> bool {
-        // By the chord: a cosine near 1 has lost its digits.
-        (direction - self.direction).length() <= (2.0 - 2.0 * self.cos_half_angle).sqrt()
+        (direction - self.direction).length() <= self.chord
     }
 }
 

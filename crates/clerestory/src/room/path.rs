@@ -324,7 +324,7 @@ impl<'a> Tracer<'a> {
         }
         if let Some(sun) = &room.sun {
             let u = [state.draws.next(), state.draws.next()];
-            let solid_angle = sun.solid_angle();
+            let solid_angle = sun.solid_angle;
             let factor = sun.radiance.map(|l| l * solid_angle);
             self.claim(
                 material,

@@ -104,7 +104,7 @@ impl Picture {
             return seen;
         }
         let solid_angles = self.camera.exact_solid_angles(width, height);
-        let share = sun.solid_angle() / f64::from(SUN_POINTS);
+        let share = sun.solid_angle / f64::from(SUN_POINTS);
         for k in 0..SUN_POINTS {
             let direction = sun.sample(r2(k, [0.5; 2]));
             let Some([x, y]) = self.camera.locate(direction) else {

@@ -143,7 +143,7 @@ impl Window {
         self.obstructed = self.is_obstructed(mesh);
         let mut points = Vec::new();
         if let Some(disc) = sun {
-            let share = disc.solid_angle() / f64::from(SUN_POINTS);
+            let share = disc.solid_angle / f64::from(SUN_POINTS);
             for k in 0..SUN_POINTS {
                 let travel = -disc.sample(r2(k, [0.0; 2]));
                 if travel.dot(self.frame[2]) > 0.0 {

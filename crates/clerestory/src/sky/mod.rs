@@ -182,7 +182,13 @@ impl Sky {
         let (direct, diffuse) = watts(&daylight, settings.quantity);
         let scale = diffuse / share;
         let sun = disc(moment.sun, about, direct, &settings);
-        let mut sky = Self::grey(distribution, scale, about, sun, settings, Some(daylight));
+        let mut sky = Self::unlit(
+            Shape::Grey { distribution, scale },
+            about,
+            sun,
+            settings,
+            Some(daylight),
+        );
         match settings.preset {
             Preset::Radiance => {
                 let ambient = if daylight.clearness <= 1.0 {
@@ -329,7 +335,7 @@ impl Sky {
                 ..s
             });
         }
-        let mut sky = Self::grey(distribution, scale, about, sun, settings, daylight);
+        let mut sky = Self::unlit(Shape::Grey { distribution, scale }, about, sun, settings, daylight);
         match traditional {
             Some((kind, _)) if genskys => {
                 let by_sky = scale * at_zenith * ambient(kind);
@@ -383,16 +389,8 @@ impl Sky {
             }
         };
         let sun = disc(about, about, direct, &settings);
-        let mut sky = Self {
-            shape: Shape::Coloured { preetham, factor },
-            about,
-            toward: about.direction(),
-            sun,
-            ground: [0.0; 3],
-            settings,
-            daylight,
-            diffuse: None,
-        };
+        let shape = Shape::Coloured { preetham, factor };
+        let mut sky = Self::unlit(shape, about, sun, settings, daylight);
         let mut diffuse = [factor * share; 3];
         if grey {
             let (distribution, luminance) = preetham.grey();
@@ -410,16 +408,16 @@ impl Sky {
         Ok(sky)
     }
 
-    fn grey(
-        distribution: Distribution,
-        scale: f64,
+    /// Its ground still without light.
+    fn unlit(
+        shape: Shape,
         about: SunPosition,
         sun: Option<Sun>,
         settings: Settings,
         daylight: Option<Daylight>,
     ) -> Self {
         Self {
-            shape: Shape::Grey { distribution, scale },
+            shape,
             about,
             toward: about.direction(),
             sun,

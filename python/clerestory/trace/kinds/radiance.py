@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from clerestory.photometry import LUMINANCE
 from clerestory.trace.keys import RecipeError
 from clerestory.trace.materials import Spec
 from clerestory.trace.shapes import Face
@@ -13,8 +14,6 @@ from clerestory.trace.shapes import Face
 if TYPE_CHECKING:
     from clerestory.trace.workshop import Workshop
 
-# Radiance's weights of red, green and blue in brightness.
-WEIGHTS = (0.265074126, 0.670114631, 0.064811243)
 COUNTS = {"plastic": (5,), "metal": (5,), "trans": (7,), "glass": (3, 4), "mirror": (3,), "dielectric": (5,)}
 
 
@@ -52,20 +51,24 @@ def translated(found: Found, shop: Workshop, key: str) -> Face:
     red, green, blue, *rest = found.numbers
     if not red == green == blue and found.kind != "dielectric":
         shop.warnings.append(f"{found.place}: the colour of {found.name} counts as grey, by its brightness")
-    grey = sum(w * c for w, c in zip(WEIGHTS, (red, green, blue), strict=True))
+    grey = sum(float(w) * c for w, c in zip(LUMINANCE, (red, green, blue), strict=True))
     bands = len(shop.bands.names)
-    numbers = {"colour": [grey] * bands}
-    for name, value in zip(("specularity", "roughness", "transmission", "transmitted_specularity"), rest, strict=False):
-        numbers[name] = [value]
     if found.kind == "dielectric":
         return _body(found, grey, rest[0], shop, key)
-    if found.kind == "glass":
-        numbers = {"transmissivity": [grey] * bands, "index": [rest[0] if rest else 1.52]}
-    elif found.kind == "mirror":
-        numbers = {"reflectance": [grey] * bands}
     passes = found.kind == "glass" or (found.kind == "trans" and rest[2] > 0.0)
+    numbers = numbers_of(found.kind, [grey] * bands, rest)
     name = shop.add_material(found.name, Spec(found.kind, numbers, opaque=not passes))
     return Face(name, name)
+
+
+def numbers_of(kind: str, colour: list[float], rest: list[float]) -> dict[str, list[float]]:
+    """A material's numbers by the names of the core: its colour by band, and what follows it in the file."""
+    if kind == "glass":
+        return {"transmissivity": colour, "index": [rest[0] if rest else 1.52]}
+    if kind == "mirror":
+        return {"reflectance": colour}
+    names = ("specularity", "roughness", "transmission", "transmitted_specularity")
+    return {"colour": colour, **{name: [value] for name, value in zip(names, rest, strict=False)}}
 
 
 def _body(found: Found, transmittance: float, index: float, shop: Workshop, key: str) -> Face:

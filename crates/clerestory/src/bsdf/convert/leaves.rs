@@ -11,8 +11,6 @@ use crate::progress::Progress;
 /// Deepest tree that is converted so: 2^10 × 2^10 cells for each direction.
 pub const MAX_DEPTH: u32 = 10;
 
-const BRANCH: u32 = 1 << 31;
-
 /// Means of a tree, turned by `turn`, over patch pairs `[i * n_out + o]` (1/sr).
 pub fn means(tree: &Tree, turn: Turn, incident: &Basis, outgoing: &Basis, progress: &Progress) -> Result<Vec<f64>> {
     match (tree.rank(), tree.turned(turn)) {
@@ -140,28 +138,16 @@ type Add<'a> = &'a (dyn Fn(&mut [f64], usize, [usize; 4], f64) + Sync);
 
 /// Sums over all leaves, the parts of the root's children added in their order.
 fn spread(tree: &Tree, size: usize, add: Add<'_>, progress: &Progress) -> Result<Vec<f64>> {
-    if tree.root() & BRANCH == 0 {
-        let mut sums = vec![0.0; size];
-        add(&mut sums, 0, [0; 4], f64::from(f32::from_bits(tree.root())));
-        return Ok(sums);
-    }
-    let axes = tree.rank().axes();
-    let block = (tree.root() & !BRANCH) as usize;
-    let parts: Vec<Vec<f64>> = (0..tree.rank().children())
+    let parts: Vec<Vec<f64>> = tree
+        .top()
         .into_par_iter()
-        .map(|child| {
+        .map(|top| {
             let mut sums = vec![0.0; size];
-            let cell = std::array::from_fn(|axis| child >> axis & 1);
-            visit(
-                tree,
-                tree.entries()[(block << axes) + child],
-                1,
-                cell,
-                &mut sums,
-                add,
-                progress,
-            )
-            .map(|()| sums)
+            let mut check = |level: usize| if level <= 3 { progress.check() } else { Ok(()) };
+            tree.visit_leaves(top, &mut check, &mut |level, cell, value| {
+                add(&mut sums, level, cell, value)
+            })?;
+            Ok(sums)
         })
         .collect::<Result<_>>()?;
     let mut sums = vec![0.0; size];
@@ -171,41 +157,6 @@ fn spread(tree: &Tree, size: usize, add: Add<'_>, progress: &Progress) -> Result
         }
     }
     Ok(sums)
-}
-
-fn visit(
-    tree: &Tree,
-    entry: u32,
-    level: usize,
-    cell: [usize; 4],
-    sums: &mut [f64],
-    add: Add<'_>,
-    progress: &Progress,
-) -> Result<()> {
-    if entry & BRANCH == 0 {
-        let value = f64::from(f32::from_bits(entry));
-        if value > 0.0 {
-            add(sums, level, cell, value);
-        }
-        return Ok(());
-    }
-    if level <= 3 {
-        progress.check()?;
-    }
-    let axes = tree.rank().axes() as usize;
-    let block = (entry & !BRANCH) as usize;
-    for child in 0..1 << axes {
-        let finer = std::array::from_fn(|axis| {
-            if axis < axes {
-                cell[axis] << 1 | child >> axis & 1
-            } else {
-                0
-            }
-        });
-        let entry = tree.entries()[(block << axes) + child];
-        visit(tree, entry, level + 1, finer, sums, add, progress)?;
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -1,7 +1,15 @@
-//! What light from one direction sees of a tree: its outgoing cells.
+//! The cells of a tree: all of them, and those that light from one direction sees.
 
 use super::{BRANCH, Tree};
 use crate::direction::Disk;
+
+/// Where a walk over leaves begins: an entry, its level and its cell.
+#[derive(Debug, Clone, Copy)]
+pub struct Top {
+    entry: u32,
+    level: usize,
+    cell: [usize; 4],
+}
 
 /// An outgoing cell, in the tree's frame (see [`Rank::out_of_frame`](super::Rank::out_of_frame)).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,6 +23,56 @@ pub struct OutgoingCell {
 }
 
 impl Tree {
+    /// Parts of the tree that can be walked side by side: the root's children in their order, or the root where it is a leaf.
+    pub fn top(&self) -> Vec<Top> {
+        let root = Top {
+            entry: self.root,
+            level: 0,
+            cell: [0; 4],
+        };
+        if self.root & BRANCH == 0 {
+            vec![root]
+        } else {
+            self.below(root).collect()
+        }
+    }
+
+    /// Calls `leaf(level, cell, value)` for each leaf of a value above 0. A cell is counted along each axis in widths of 2^-level.
+    ///
+    /// # Errors
+    ///
+    /// Those of `check`, which is asked before each branch, with its level.
+    pub fn visit_leaves<E>(
+        &self,
+        from: Top,
+        check: &mut impl FnMut(usize) -> Result<(), E>,
+        leaf: &mut impl FnMut(usize, [usize; 4], f64),
+    ) -> Result<(), E> {
+        if from.entry & BRANCH == 0 {
+            let value = f64::from(f32::from_bits(from.entry));
+            if value > 0.0 {
+                leaf(from.level, from.cell, value);
+            }
+            return Ok(());
+        }
+        check(from.level)?;
+        self.below(from)
+            .try_for_each(|child| self.visit_leaves(child, check, leaf))
+    }
+
+    fn below(&self, branch: Top) -> impl Iterator<Item = Top> {
+        let axes = self.rank.axes() as usize;
+        let block = self.block((branch.entry & !BRANCH) as usize);
+        block.iter().enumerate().map(move |(child, &entry)| Top {
+            entry,
+            level: branch.level + 1,
+            cell: std::array::from_fn(|axis| match axis < axes {
+                true => branch.cell[axis] << 1 | child >> axis & 1,
+                false => 0,
+            }),
+        })
+    }
+
     /// The outgoing cells for light from one direction. They fill the square.
     pub fn outgoing_cells(&self, incident: Disk) -> Vec<OutgoingCell> {
         let axes = self.rank.incident_axes();
