@@ -3,12 +3,15 @@
 //! * [`Room`]: shapes, their surfaces, windows with their systems, lights, and the sky outside; made from [`Parts`].
 //! * [`Window`]: a plane polygon that scatters as its data set says.
 //! * [`Picture`]: radiance by pixel, with its noise; [`Sensor`]: irradiance at a point.
+//! * [`Room::view_matrix`] and its like: daylight matrices, for any system and sky.
 //!
 //! The world has x to the east, y to the north and z up (metres). Light has three channels, Radiance's red, green and blue; what
 //! is traced is radiance in W/(m² sr).
 
 mod emitter;
 mod field;
+mod ledger;
+mod matrix;
 mod path;
 mod picture;
 mod polygon;
@@ -18,6 +21,7 @@ mod tests;
 mod window;
 
 pub use field::Rgb;
+pub use matrix::{Groups, Paths, Rows};
 pub use picture::{Accumulated, Picture};
 pub use sensor::{Estimate, Sensor};
 pub use window::{System, Window};

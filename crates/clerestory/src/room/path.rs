@@ -4,6 +4,7 @@
 //! and Guibas 1995): a direction to a window or light, and the direction in which the path goes on. The sun is asked for apart:
 //! it is too small to be found by chance.
 
+use super::ledger::Ledger;
 use super::{Rgb, Role, Room};
 use crate::geometry::{Geometry, Hit, Meeting, NO_PIECE, Ray, Vec3};
 use crate::material::{Arrival, Draws, Material, Polarisation};
@@ -65,6 +66,8 @@ pub(super) struct Tracer<'a> {
     flying: Vec<Ray>,
     asking: Vec<Claim>,
     found: Vec<Rgb>,
+    /// Where light is written down by where it comes from, in place of being told; windows are black then.
+    pub(super) ledger: Option<Ledger<'a>>,
     pub(super) ends: Ends,
 }
 
@@ -80,6 +83,7 @@ impl<'a> Tracer<'a> {
             flying: Vec::new(),
             asking: Vec::new(),
             found: Vec::new(),
+            ledger: None,
             ends: Ends::default(),
         }
     }
@@ -158,8 +162,13 @@ impl<'a> Tracer<'a> {
                 Meeting::Hit(hit) => self.arrive(hit, &mut ray, &mut state),
                 // A level ray outside of the scene is called lost.
                 Meeting::Leaves | Meeting::Lost => {
-                    let radiance = self.room.outside(ray.direction, !state.sun_asked);
-                    self.collect(&state, radiance);
+                    match &mut self.ledger {
+                        Some(ledger) => ledger.sky(ray.direction, state.weight, state.events),
+                        None => {
+                            let radiance = self.room.outside(ray.direction, !state.sun_asked);
+                            self.collect(&state, radiance);
+                        }
+                    }
                     false
                 }
             };
@@ -194,6 +203,8 @@ impl<'a> Tracer<'a> {
     /// A path meets a surface; whether it goes on.
     fn arrive(&mut self, hit: Hit, ray: &mut Ray, state: &mut State) -> bool {
         let room = self.room;
+        let met = state.events;
+        state.events += 1;
         let medium = &room.media[usize::from(state.medium)];
         if !medium.is_clear() {
             let mut absorbed = [0.0; 3];
@@ -210,12 +221,24 @@ impl<'a> Tracer<'a> {
         let face = usize::from(ray.direction.dot(hit.normal) > 0.0);
         let normal = if face == 0 { hit.normal } else { -hit.normal };
         match &room.roles[hit.surface as usize] {
+            Role::Light(_) if self.ledger.is_some() => false,
             Role::Light(number) => {
                 let (_, radiance) = &room.lights[*number as usize];
                 if face == 0 {
                     let emitter = room.windows.len() + *number as usize;
                     let share = self.by_chance(emitter, ray, hit.distance, state.density);
                     self.collect(state, radiance.map(|r| r * share));
+                }
+                false
+            }
+            Role::Window(number) if self.ledger.is_some() => {
+                if face == 0 {
+                    let travel = room.windows[*number as usize].disk(-ray.direction);
+                    let share = self.by_chance(*number as usize, ray, hit.distance, state.density);
+                    let found = state.weight.map(|w| w * share);
+                    if let Some(ledger) = &mut self.ledger {
+                        ledger.window(*number as usize, travel, found, met);
+                    }
                 }
                 false
             }
@@ -312,7 +335,7 @@ impl<'a> Tracer<'a> {
             return;
         }
         let room = self.room;
-        if !room.emitters.is_empty() {
+        if !room.emitters.is_empty() && self.ledger.as_ref().is_none_or(Ledger::asks_windows) {
             let choice = state.draws.next();
             let u = [state.draws.next(), state.draws.next()];
             let asked = room.emitters.sample(&room.windows, &room.lights, ray.origin, choice, u);
@@ -322,7 +345,7 @@ impl<'a> Tracer<'a> {
                 self.claim(material, arrival, ray, state, both_sides, direction, target, [1.0; 3]);
             }
         }
-        if let Some(sun) = &room.sun {
+        if let Some(sun) = room.sun.as_ref().filter(|_| self.ledger.is_none()) {
             let u = [state.draws.next(), state.draws.next()];
             let solid_angle = sun.solid_angle;
             let factor = sun.radiance.map(|l| l * solid_angle);
@@ -436,6 +459,13 @@ impl<'a> Tracer<'a> {
             return;
         }
         let share = 1.0 / (asked + by_chance);
+        if let Some(ledger) = &mut self.ledger {
+            if let Some(window) = room.windows.get(emitter) {
+                let travel = window.disk(-ray.direction);
+                ledger.window(emitter, travel, claim.value.map(|v| v * share), claim.state.events);
+            }
+            return;
+        }
         if emitter >= windows {
             let (_, radiance) = &room.lights[emitter - windows];
             self.pay(&claim, radiance.map(|r| r * share));
@@ -451,7 +481,6 @@ impl<'a> Tracer<'a> {
         claim.state.weight = claim.value.map(|v| v * share);
         claim.state.density = f64::INFINITY;
         claim.state.sun_asked = true;
-        claim.state.events += 1;
         let (mut ray, mut state) = (ray, claim.state);
         if self.arrive(hit, &mut ray, &mut state) {
             self.rays.push(ray);
@@ -468,7 +497,6 @@ impl<'a> Tracer<'a> {
 
     /// Roulette, and the greatest number of events.
     fn goes_on(&mut self, state: &mut State) -> bool {
-        state.events += 1;
         let most = state.weight.iter().copied().fold(0.0, f64::max);
         if most < ROULETTE {
             let chance = most / ROULETTE;

@@ -29,11 +29,11 @@ pub struct Estimate {
 }
 
 /// Independent replications, from which errors are estimated.
-const REPLICATIONS: u32 = 16;
+pub(super) const REPLICATIONS: u32 = 16;
 /// Paths that are followed together.
 const BATCH: u32 = 1024;
 /// A sensor is lifted so far off a surface that it lies on (metres).
-const LIFT: f64 = 1e-6;
+pub(super) const LIFT: f64 = 1e-6;
 
 impl Room {
     /// Irradiance at sensors by `samples` paths each, a multiple of the 16 replications; the same for any number of threads.
@@ -44,26 +44,8 @@ impl Room {
         seed: u64,
         progress: &Progress,
     ) -> Result<Vec<Estimate>> {
-        if samples == 0 || !samples.is_multiple_of(REPLICATIONS) || samples / REPLICATIONS >= 1 << 24 {
-            return Err(Error::Argument(format!(
-                "{samples} paths a sensor (give a multiple of {REPLICATIONS} from {REPLICATIONS} to {})",
-                REPLICATIONS << 23
-            )));
-        }
-        for (k, sensor) in sensors.iter().enumerate() {
-            let finite = sensor
-                .point
-                .array()
-                .into_iter()
-                .chain(sensor.normal.array())
-                .all(f64::is_finite);
-            if !finite || sensor.normal.length() == 0.0 {
-                return Err(Error::Argument(format!(
-                    "sensor {} has no place or no direction (give finite numbers and a normal that is not zero)",
-                    k + 1
-                )));
-            }
-        }
+        check_samples(samples)?;
+        check_sensors(sensors)?;
         progress.expect(sensors.len() * REPLICATIONS as usize);
         let paths = samples / REPLICATIONS;
         let means: Vec<Rgb> = (0..sensors.len() * REPLICATIONS as usize)
@@ -94,6 +76,31 @@ impl Room {
             .collect::<Result<_>>()?;
         Ok(means.chunks(REPLICATIONS as usize).map(estimate).collect())
     }
+}
+
+/// Fails where so many paths cannot be divided into replications.
+pub(super) fn check_samples(samples: u32) -> Result<()> {
+    if samples == 0 || !samples.is_multiple_of(REPLICATIONS) || samples / REPLICATIONS >= 1 << 24 {
+        return Err(Error::Argument(format!(
+            "{samples} paths (give a multiple of {REPLICATIONS} from {REPLICATIONS} to {})",
+            REPLICATIONS << 23
+        )));
+    }
+    Ok(())
+}
+
+/// Fails where a sensor has no place or direction.
+pub(super) fn check_sensors(sensors: &[Sensor]) -> Result<()> {
+    for (k, sensor) in sensors.iter().enumerate() {
+        let mut numbers = sensor.point.array().into_iter().chain(sensor.normal.array());
+        if !numbers.all(f64::is_finite) || sensor.normal.length() == 0.0 {
+            return Err(Error::Argument(format!(
+                "sensor {} has no place or no direction (give finite numbers and a normal that is not zero)",
+                k + 1
+            )));
+        }
+    }
+    Ok(())
 }
 
 fn estimate(means: &[Rgb]) -> Estimate {

@@ -10,6 +10,8 @@ use crate::material::{Material, Medium, Surface};
 use crate::progress::Progress;
 use crate::sky::{Level, Moment, Settings, Sky, SunPosition, Traditional};
 
+mod matrices;
+
 const LUMINANCE: f64 = 17_900.0;
 /// Radiance of the uniform sky.
 const L: f64 = LUMINANCE / 179.0;
