@@ -16,6 +16,8 @@ from clerestory.glare.settings import Settings
 _Floats: TypeAlias = NDArray[np.float64]
 _Entries: TypeAlias = NDArray[np.uint32]
 _Indices: TypeAlias = NDArray[np.int64]
+_Singles: TypeAlias = NDArray[np.float32]
+_Matrix: TypeAlias = tuple[_Singles, _Singles, _Singles]
 _Flags: TypeAlias = NDArray[np.bool_]
 _Region: TypeAlias = tuple[tuple[float, float], float, float] | tuple[Basis, list[int]]
 _Report: TypeAlias = tuple[str, Side, Scatter, str, int, float | None, float]
@@ -375,6 +377,15 @@ def rate_glare(
     mean_background: float,
     settings: Settings,
 ) -> tuple[_Floats, _IndexValues]: ...
+def rate_glare_hours(
+    view: View,
+    directions: _Floats,
+    solid_angles: _Floats,
+    luminances: _Singles,
+    lights: _Floats,
+    illuminances: _Floats,
+    settings: Settings,
+) -> list[tuple[str, _Floats]]: ...
 def read_room_scene(
     paths: list[str | os.PathLike[str]], metres_per_unit: float, search: list[str | os.PathLike[str]]
 ) -> dict[str, Any]: ...
@@ -384,6 +395,7 @@ class RoomShapes:
     def surface(self, name: str) -> int: ...
     def triangles(self, name: str, surface: int, corners: _Floats, triangles: NDArray[np.int64]) -> None: ...
     def scene(self, scene: Scene, surfaces: list[int | None]) -> None: ...
+    def described(self) -> bytes: ...
     def bounds(self) -> list[list[float]] | None: ...
 
 class Room:
@@ -406,6 +418,53 @@ class Room:
         seed: int,
         report: Callable[[float], object] | None = None,
     ) -> tuple[_Floats, _Floats]: ...
+
+class WindowGroups:
+    def __new__(cls, room: Room, of_window: list[int], basis: Basis) -> WindowGroups: ...
+    def view_matrix(
+        self,
+        points: _Floats,
+        normals: _Floats,
+        samples: int,
+        seed: int,
+        report: Callable[[float], object] | None = None,
+    ) -> _Matrix: ...
+    def picture_matrix(
+        self,
+        view: View,
+        width: int,
+        height: int,
+        first: int,
+        last: int,
+        samples: int,
+        seed: int,
+        report: Callable[[float], object] | None = None,
+    ) -> _Matrix: ...
+    def return_matrix(
+        self, group: int, samples: int, seed: int, report: Callable[[float], object] | None = None
+    ) -> _Matrix: ...
+    def daylight_matrix(
+        self,
+        group: int,
+        patches: SkyPatches,
+        samples: int,
+        seed: int,
+        report: Callable[[float], object] | None = None,
+    ) -> _Matrix: ...
+    def apertures(
+        self,
+        points: _Floats,
+        normals: _Floats,
+        steps: int,
+        parts: int,
+        report: Callable[[float], object] | None = None,
+    ) -> tuple[_Indices, _Indices, _Singles, _Singles, _Singles]: ...
+    def outlooks(
+        self, points: _Floats, directions: _Floats, report: Callable[[float], object] | None = None
+    ) -> NDArray[np.uint16]: ...
+    def frame(self, group: int) -> list[list[float]]: ...
+
+def square_directions(steps: int) -> _Floats: ...
 
 class RoomPicture:
     def __new__(cls, room: Room, view: str, width: int, height: int, seed: int) -> RoomPicture: ...

@@ -60,7 +60,7 @@ def save(bsdf: Operations, path: str | os.PathLike[str]) -> None:
     UnsupportedError
         Models within models are nested more than 32 deep.
     """
-    write_whole(path, _encode(bsdf))
+    write_whole(path, encode(bsdf))
 
 
 def load(path: str | os.PathLike[str]) -> Bsdf:
@@ -81,7 +81,7 @@ def load(path: str | os.PathLike[str]) -> Bsdf:
         raise _core.FileFormatError(f"{path}: {error}") from error
 
 
-def _encode(bsdf: Operations) -> bytes:
+def encode(bsdf: Operations) -> bytes:
     writer = _Writer()
     bands = [
         {

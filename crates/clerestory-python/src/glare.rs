@@ -2,11 +2,12 @@
 
 use clerestory::geometry::Vec3;
 use clerestory::glare::{
-    Background, Evaluation, Field, Indices, Lens, Light, PositionIndex, Settings, Source, Task, Threshold, evaluate,
-    rate,
+    Background, Elements, Evaluation, Field, Indices, Lens, Light, PositionIndex, Settings, Source, Task, Threshold,
+    evaluate, rate,
 };
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use rayon::prelude::*;
 
 use crate::arrays::rows;
 use crate::errors::{ClerestoryError, raise};
@@ -245,4 +246,72 @@ pub fn rate_glare<'py>(
     };
     let (sources, found) = rate(&lights, &view.0, &field, &settings.settings()?).map_err(raise)?;
     Ok((table(py, &sources)?, indices(&found)))
+}
+
+/// Columns of indices by name.
+type Columns<'py> = Vec<(&'static str, Bound<'py, PyArray1<f64>>)>;
+
+/// Rates a field of view at many hours: directions (n, 3) and solid angles (n) of its parts, their luminances (hours, n), one light an
+/// hour (hours, 5: x, y, z, cd/m², sr; none where its luminance is 0), and the illuminance at the eye (hours). Dark hours
+/// are not a number.
+#[pyfunction]
+#[allow(clippy::too_many_arguments, reason = "a view, its parts, and their light")]
+pub fn rate_glare_hours<'py>(
+    py: Python<'py>,
+    view: &PyView,
+    directions: PyReadonlyArray2<'py, f64>,
+    solid_angles: PyReadonlyArray1<'py, f64>,
+    luminances: PyReadonlyArray2<'py, f32>,
+    lights: PyReadonlyArray2<'py, f64>,
+    illuminances: PyReadonlyArray1<'py, f64>,
+    settings: SettingsParts,
+) -> PyResult<Columns<'py>> {
+    let settings = settings.settings()?;
+    let directions: Vec<Vec3> = directions
+        .as_array()
+        .rows()
+        .into_iter()
+        .map(|d| Vec3::new(d[0], d[1], d[2]))
+        .collect();
+    let elements = Elements::new(view.0, &directions, solid_angles.as_slice()?).map_err(raise)?;
+    let (lights, illuminances) = (lights.as_array(), illuminances.as_slice()?);
+    let hours = illuminances.len();
+    if luminances.shape() != [hours, directions.len()] || lights.dim() != (hours, 5) {
+        return Err(ClerestoryError::new_err(
+            "luminances, lights and illuminances do not fit together (give a row an hour)",
+        ));
+    }
+    let luminances = luminances.as_slice()?;
+    let count = directions.len();
+    let found: Vec<Vec<(&'static str, f64)>> = py
+        .detach(|| {
+            (0..hours)
+                .into_par_iter()
+                .map(|hour| {
+                    let l = lights.row(hour);
+                    let light = Light {
+                        direction: Vec3::new(l[0], l[1], l[2]),
+                        luminance: l[3],
+                        solid_angle: l[4],
+                    };
+                    if illuminances[hour] <= 0.0 {
+                        return Ok(Vec::new());
+                    }
+                    let lights = if light.luminance > 0.0 { &[light][..] } else { &[] };
+                    let here = &luminances[hour * count..(hour + 1) * count];
+                    let (_, rated) = elements.rate(here, lights, illuminances[hour], &settings)?;
+                    Ok(indices(&rated))
+                })
+                .collect::<clerestory::Result<_>>()
+        })
+        .map_err(raise)?;
+    let Some(names) = found.iter().find(|row| !row.is_empty()) else {
+        return Ok(Vec::new());
+    };
+    let column = |k: usize| found.iter().map(move |row| row.get(k).map_or(f64::NAN, |(_, value)| *value));
+    Ok(names
+        .iter()
+        .enumerate()
+        .map(|(k, (name, _))| (*name, PyArray1::from_iter(py, column(k))))
+        .collect())
 }

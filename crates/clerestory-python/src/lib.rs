@@ -14,6 +14,7 @@ mod model;
 mod npz;
 mod picture;
 mod room;
+mod room_matrix;
 mod room_scene;
 mod sky;
 mod system;
@@ -38,13 +39,15 @@ mod _core {
     #[pymodule_export]
     use crate::compare::distances;
     #[pymodule_export]
-    use crate::glare::{PyLens, glare_preset, rate_glare};
+    use crate::glare::{PyLens, glare_preset, rate_glare, rate_glare_hours};
     #[pymodule_export]
     use crate::model::PyModel;
     #[pymodule_export]
     use crate::picture::{PyPicture, PyView};
     #[pymodule_export]
     use crate::room::{PyRoom, PyRoomPicture, PyRoomShapes};
+    #[pymodule_export]
+    use crate::room_matrix::{PyWindowGroups, square_directions};
     #[pymodule_export]
     use crate::room_scene::read_room_scene;
     #[pymodule_export]

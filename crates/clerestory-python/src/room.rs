@@ -8,6 +8,7 @@ use clerestory::picture::{Camera, View};
 use clerestory::room::{Accumulated, Parts, Picture, Room, Sensor, System};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::arrays::rows;
 use crate::bsdf::PyBsdf;
@@ -82,6 +83,22 @@ impl PyRoomShapes {
         }
     }
 
+    /// Every shape with its surface, as bytes that are the same for the same shapes.
+    fn described<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        let mut bytes = Vec::new();
+        for element in &self.0.elements {
+            bytes.extend(element.surface.to_le_bytes());
+            match element.shape {
+                Shape::Triangle(corners) => {
+                    let numbers = corners.iter().flat_map(|c| c.array());
+                    bytes.extend(numbers.flat_map(f64::to_le_bytes));
+                }
+                other => bytes.extend(format!("{other:?}").into_bytes()),
+            }
+        }
+        PyBytes::new(py, &bytes)
+    }
+
     /// Least and greatest x, y, z (2, 3) in metres; None of an empty scene.
     fn bounds(&self) -> Option<[[f64; 3]; 2]> {
         let bounds = self.0.elements.iter().map(|e| e.shape.bounds().map(Vec3::array));
@@ -96,7 +113,7 @@ impl PyRoomShapes {
 
 /// A room, ready for paths.
 #[pyclass(name = "Room", frozen, module = "clerestory")]
-pub struct PyRoom(Arc<Room>);
+pub struct PyRoom(pub Arc<Room>);
 
 /// Irradiance (n, 3) and its standard errors (n, 3), W/m².
 type Irradiance<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 CHANNELS = Bands(names=["red", "green", "blue"])
 """Radiance's channels, which are the bands of a room."""
 AIR = "air"
+_GREY: list[str | None] = [None] * 3
+_UP = [0.0, 0.0, 1.0]
 
 
 @dataclass(frozen=True)
@@ -209,6 +211,30 @@ class Room:
         chosen = self.view(view) if isinstance(view, str) else view
         return render(self._core, chosen, noise=noise, samples=samples, seconds=seconds, seed=seed, progress=progress)
 
+    def described(self) -> tuple[bytes, list[object]]:
+        """All that its light depends on but for its systems and its sky: shapes; surfaces, materials, media, windows."""
+        from hashlib import sha256
+
+        from clerestory.npz import encode
+
+        def plain(spec: Spec) -> object:
+            data = None if spec.data is None else (sha256(encode(spec.data[0])).hexdigest(), *spec.data[1:])
+            return [spec.kind, spec.numbers, data, spec.parts]
+
+        materials = [(name, plain(spec)) for name, spec in self._specs.items()]
+        windows = [(w.corners.tolist(), w.system) for w in self.windows]
+        return self._shapes.described(), [self._surfaces, materials, self._media, windows]
+
+    def bare(self) -> _core.Room:
+        """The same room, without lights, with windows that send evenly: for what does not depend on systems and sky."""
+        from clerestory.bsdf import Bsdf
+        from clerestory.model import Model
+        from clerestory.sky import Sky
+
+        even = Bsdf.from_models({"visible": {("exterior", "transmission"): Model.lambertian(1.0)}})
+        windows = [(w.name, w.corners.tolist(), even._core, _GREY, _UP) for w in self.windows]
+        return self._room(windows, [], Sky.uniform())
+
     def _grid(self, sensors: keys.Sensors, key: str) -> NDArray[np.float64]:
         box, height = self.recipe.room, sensors.height_m
         assert box is not None
@@ -285,14 +311,22 @@ class Room:
         return name, name
 
     def _made(self) -> _core.Room:
-        materials = [spec.for_core(self._specs) for spec in self._specs.values()]
         windows = [
-            (w.name, w.corners.tolist(), self._bsdfs[w.system][0]._core, self._bsdfs[w.system][1], [0.0, 0.0, 1.0])
+            (w.name, w.corners.tolist(), self._bsdfs[w.system][0]._core, self._bsdfs[w.system][1], _UP)
             for w in self.windows
         ]
+        return self._room(windows, self._lights, self.sky)
+
+    def _room(
+        self,
+        windows: list[tuple[str, list[list[float]], _core.Bsdf, list[str | None], list[float]]],
+        lights: list[tuple[str, list[list[float]], list[float]]],
+        sky: Sky,
+    ) -> _core.Room:
+        materials = [spec.for_core(self._specs) for spec in self._specs.values()]
         media = list(self._media.values())
         try:
-            return _core.Room(self._shapes, self._surfaces, materials, media, windows, self._lights, self.sky._core)
+            return _core.Room(self._shapes, self._surfaces, materials, media, windows, lights, sky._core)
         except _core.ClerestoryError as error:
             raise RecipeError(str(error)) from error
 

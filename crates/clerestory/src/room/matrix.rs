@@ -10,9 +10,9 @@ use rayon::prelude::*;
 use super::ledger::{Ledger, Targets};
 use super::path::Tracer;
 use super::sensor::{LIFT, REPLICATIONS, Sensor, check_samples, check_sensors};
+use super::window::Window;
 use super::{Rgb, Room};
 use crate::basis::Basis;
-use crate::direction::Disk;
 use crate::error::{Error, Result};
 use crate::geometry::Vec3;
 use crate::material::Draws;
@@ -42,6 +42,18 @@ pub struct Groups {
     pub of_window: Vec<usize>,
     /// Patches of a group's light, in the frame of its windows.
     pub basis: Basis,
+}
+
+impl Groups {
+    pub(super) fn check(&self, windows: usize) -> Result<()> {
+        if self.of_window.len() == windows {
+            return Ok(());
+        }
+        Err(Error::Argument(format!(
+            "{} windows have a group and the room has {windows} (give each a group)",
+            self.of_window.len()
+        )))
+    }
 }
 
 /// How many paths, and their random numbers.
@@ -134,14 +146,29 @@ impl Room {
         self.rows(groups.basis.len(), 1.0, Targets::Sky(sky), 0, paths, progress, launch)
     }
 
-    fn receivers<'a>(&self, groups: &'a Groups) -> Result<Targets<'a>> {
-        if groups.of_window.len() != self.windows.len() {
-            return Err(Error::Argument(format!(
-                "{} windows have a group and the room has {} (give each a group)",
-                groups.of_window.len(),
-                self.windows.len()
-            )));
+    /// Axes of a group's samples: x, y, and z into the room. Fails where its windows differ in them.
+    pub fn frame_of(&self, group: usize, groups: &Groups) -> Result<[Vec3; 3]> {
+        groups.check(self.windows.len())?;
+        let mut members = self.windows.iter().zip(&groups.of_window).filter(|(_, g)| **g == group);
+        let Some((first, _)) = members.next() else {
+            return Err(Error::Argument(format!("group {group} has no window")));
+        };
+        let alike = |other: &Window| {
+            let pairs = first.frame().iter().zip(other.frame());
+            pairs.fold(0.0_f64, |most, (a, b)| most.max((*a - *b).length())) < 1e-6
+        };
+        match members.find(|(window, _)| !alike(window)) {
+            None => Ok(*first.frame()),
+            Some((other, _)) => Err(Error::Argument(format!(
+                "windows {:?} and {:?} are in one group and look different ways (put them into groups of their own)",
+                first.name(),
+                other.name()
+            ))),
         }
+    }
+
+    fn receivers<'a>(&self, groups: &'a Groups) -> Result<Targets<'a>> {
+        groups.check(self.windows.len())?;
         Ok(Targets::Windows(&groups.of_window, &groups.basis))
     }
 

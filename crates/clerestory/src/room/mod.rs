@@ -8,6 +8,7 @@
 //! The world has x to the east, y to the north and z up (metres). Light has three channels, Radiance's red, green and blue; what
 //! is traced is radiance in W/(m² sr).
 
+mod aperture;
 mod emitter;
 mod field;
 mod ledger;
@@ -20,6 +21,7 @@ mod sensor;
 mod tests;
 mod window;
 
+pub use aperture::{Cell, OPEN};
 pub use field::Rgb;
 pub use matrix::{Groups, Paths, Rows};
 pub use picture::{Accumulated, Picture};

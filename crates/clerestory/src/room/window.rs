@@ -208,6 +208,11 @@ impl Window {
         &self.system
     }
 
+    /// Axes of its sample: x, y, and z into the room.
+    pub(super) fn frame(&self) -> &[Vec3; 3] {
+        &self.frame
+    }
+
     /// Where it is.
     pub(super) fn polygon(&self) -> &Polygon {
         &self.polygon

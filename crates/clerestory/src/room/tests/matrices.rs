@@ -137,3 +137,30 @@ fn a_wall_outside_hides_the_sky_and_reflects_it() {
     // The wall sees half of an even world, the window's side of it.
     is_near(mean(&rows.all), 0.5, 0.02);
 }
+
+#[test]
+fn cells_that_a_point_sees_fill_the_window() {
+    let room = cube(0.0, diffuse(1.0), uniform());
+    let sensors = [Sensor {
+        point: v(0.0, 0.0, 0.0),
+        normal: v(0.0, -1.0, 0.0),
+    }];
+    let seen = room
+        .apertures(&sensors, &groups(1), 32, 4, &Progress::default())
+        .expect("cells");
+    let of = |value: fn(&crate::room::Cell) -> f32| seen[0].iter().map(|c| f64::from(value(c))).sum::<f64>();
+    is_near(of(|c| c.projected), 4.0 * PI * corner_factor(1.0, 1.0, 1.0), 0.002);
+    // A face of a cube from its middle.
+    is_near(of(|c| c.solid_angle), 4.0 * PI / 6.0, 0.002);
+    let axis: f64 = seen[0].iter().map(|c| f64::from(c.solid_angle * c.direction[0])).sum();
+    assert!(axis.abs() < 1e-3);
+}
+
+#[test]
+fn the_sky_is_seen_through_the_window_only() {
+    let room = cube(0.0, diffuse(1.0), uniform());
+    let towards = [v(0.0, -1.0, 0.2), v(0.0, -1.0, 1.2), v(0.0, 1.0, 0.0)];
+    let points = [v(0.0, 0.0, 0.0), v(0.0, -3.0, 0.0)];
+    let found = room.outlooks(&points, &towards, &Progress::default()).expect("windows");
+    assert_eq!(found, [1, 0, 0, crate::room::OPEN, crate::room::OPEN, 0]);
+}

@@ -1,0 +1,116 @@
+"""Radiance's matrix files: ASCII, float and double, read and written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from clerestory import __version__
+from clerestory._core import ClerestoryError, FileFormatError
+from clerestory.whole import write_whole
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+Form = Literal["ascii", "float", "double"]
+_TYPES = {"float": np.dtype("<f4"), "double": np.dtype("<f8")}
+_SIZES = ("NROWS", "NCOLS", "NCOMP")
+_MOST_HEAD = 1 << 20
+
+
+def write(
+    path: str | os.PathLike[str],
+    values: NDArray[np.floating],
+    *,
+    form: Form = "float",
+    header: Sequence[str] = (),
+) -> None:
+    """Write a matrix (rows, columns) or (rows, columns, components), whole or not at all.
+
+    Parameters
+    ----------
+    path, values
+        The file, and what goes into it. A matrix without components becomes one of three that are equal, as
+        Radiance's programs expect.
+    form
+        `ascii`, `float` (32 bits) or `double`, least byte first.
+    header
+        Lines of information.
+    """
+    values = np.asarray(values)
+    if values.ndim == 2:
+        values = np.repeat(values[:, :, None], 3, axis=2)
+    if values.ndim != 3:
+        raise ClerestoryError(f"a matrix has rows, columns and components, not {values.ndim} dimensions")
+    rows, columns, components = values.shape
+    lines = ["#?RADIANCE", *header, f"SOFTWARE= Clerestory {__version__}"]
+    lines += [f"NROWS={rows}", f"NCOLS={columns}", f"NCOMP={components}"]
+    if form != "ascii":
+        lines.append("BigEndian=0")
+    head = "\n".join([*lines, f"FORMAT={form}", "", ""]).encode()
+    if form == "ascii":
+        body = "\n".join("\t".join(" ".join(f"{v:.9g}" for v in entry) for entry in row) for row in values) + "\n"
+        write_whole(path, head + body.encode())
+    else:
+        write_whole(path, head + np.ascontiguousarray(values, dtype=_TYPES[form]).tobytes())
+
+
+def read(path: str | os.PathLike[str]) -> NDArray[np.float64]:
+    """Read a matrix (rows, columns, components).
+
+    Raises
+    ------
+    FileFormatError
+        The file is no matrix, or is cut off; the text names the file, what is wrong and the remedy.
+    OSError
+        It cannot be opened.
+    """
+    path = Path(path)
+    data = path.read_bytes()
+
+    def wrong(text: str) -> FileFormatError:
+        return FileFormatError(f"{path}: {text}")
+
+    end = data.find(b"\n\n", 0, _MOST_HEAD)
+    if not data.startswith(b"#?") or end < 0:
+        raise wrong("this is no Radiance matrix: its head is missing (write it with a header: rmtxop, or rcollate -h)")
+    head: dict[str, str] = {}
+    exposure = 1.0
+    for line in data[:end].decode("latin-1").splitlines():
+        name, sign, value = line.partition("=")
+        if sign:
+            head[name] = value.strip()
+            if name == "EXPOSURE":
+                try:
+                    exposure *= float(value)
+                except ValueError:
+                    raise wrong(f"EXPOSURE={value.strip()} is no number (correct the head)") from None
+    try:
+        rows, columns, components = (int(head.get(name, 3 if name == "NCOMP" else "")) for name in _SIZES)
+    except ValueError:
+        raise wrong("NROWS or NCOLS is missing or no number (add them to the head)") from None
+    if min(rows, columns, components) < 1:
+        raise wrong(f"{rows} rows, {columns} columns and {components} components make no matrix (correct the head)")
+    form = head.get("FORMAT", "ascii")
+    body, count = data[end + 2 :], rows * columns * components
+    if form == "ascii":
+        try:
+            values = np.array(body.split(), dtype=np.float64)
+        except ValueError:
+            raise wrong("there is something else than numbers in it (write it again)") from None
+    elif form in _TYPES:
+        order = ">" if head.get("BigEndian") == "1" else "<"
+        kind = _TYPES[form].newbyteorder(order)
+        values = np.frombuffer(body, dtype=kind, count=len(body) // kind.itemsize).astype(np.float64)
+    else:
+        raise wrong(f"FORMAT={form} is not read (known are ascii, float and double; rmtxop -fd converts)")
+    if len(values) < count:
+        raise wrong(f"it holds {len(values)} numbers of {count} and is cut off (write it again)")
+    if form == "ascii" and len(values) > count:
+        raise wrong(f"it holds {len(values)} numbers where {count} are told of (correct NROWS, NCOLS and NCOMP)")
+    return values[:count].reshape(rows, columns, components) / exposure

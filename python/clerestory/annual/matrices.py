@@ -1,0 +1,201 @@
+"""Daylight matrices of a room: views, what windows return, and the sky before them.
+
+They hold for any system in the windows: those are black here, and what they return is a matrix of its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from clerestory import _core
+from clerestory.annual.cache import Cache, digest
+from clerestory.basis import Basis
+from clerestory.photometry import LUMINANCE
+from clerestory.room.world import RecipeError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from clerestory.picture import View
+    from clerestory.room import Room
+    from clerestory.sky import SkyPatches
+
+    Floats = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """What columns give to rows, by the photopic mean of Radiance's channels."""
+
+    all: Floats
+    """(rows, columns) of all light."""
+    direct: Floats
+    """(rows, columns) of light that comes directly."""
+    standard_error: Floats
+    """(rows, columns) of `all`."""
+
+
+@dataclass(frozen=True)
+class Apertures:
+    """What points see of the windows, in cells of the square of the windows' directions."""
+
+    first: NDArray[np.int64]
+    """(points + 1) where the cells of each point begin."""
+    number: NDArray[np.int64]
+    """(cells) group · steps² + cell."""
+    solid_angle: Floats
+    """(cells) seen of it [sr]."""
+    projected: Floats
+    """(cells) that by the cosine to the point's normal [sr]."""
+    direction: Floats
+    """(cells, 3) towards it."""
+
+
+class RoomMatrices:
+    """The matrices of a room's windows in groups: those that share a system and look the same way.
+
+    Parameters
+    ----------
+    room
+        The room; its sky and the data sets of its systems do not matter.
+    basis
+        Patches of the windows' directions.
+    cache
+        Where matrices are kept.
+    seed
+        Of the random numbers.
+    """
+
+    def __init__(self, room: Room, basis: str = "klems-full", cache: Cache | None = None, seed: int = 1) -> None:
+        self.room = room
+        self.basis = Basis.named(basis)
+        self.cache = cache or Cache()
+        self.seed = seed
+        if not room.windows:
+            raise RecipeError("the room has no window, so there are no matrices (add one)")
+        groups: dict[tuple[str, tuple[float, ...]], int] = {}
+        self.of_window: list[int] = []
+        """Group of each window."""
+        for window in room.windows:
+            edges = window.corners[1:] - window.corners[0]
+            normal = np.cross(edges[0], edges[1])
+            key = (window.system, tuple(np.round(normal / np.linalg.norm(normal), 6).tolist()))
+            self.of_window.append(groups.setdefault(key, len(groups)))
+        self.systems: list[str] = [system for system, _ in groups]
+        """Name of the system of each group."""
+        self._bare = room.bare()
+        self._groups = _core.WindowGroups(self._bare, self.of_window, self.basis._core)
+        self._key = {"room": digest(*room.described()), "groups": self.of_window, "seed": seed}
+
+    def __len__(self) -> int:
+        """Number of groups."""
+        return len(self.systems)
+
+    def frame(self, group: int) -> NDArray[np.float64]:
+        """Axes of a group's samples in the world (3, 3), a row each: x, y, and z into the room."""
+        return np.array(self._groups.frame(group))
+
+    def view(
+        self,
+        points: NDArray[np.float64],
+        normals: NDArray[np.float64],
+        *,
+        samples: int = 4096,
+        progress: Callable[[float], object] | None = None,
+    ) -> Matrix:
+        """Irradiance at points (n, 3) [m] with normals (n, 3) by the radiance of patches, group by group [sr].
+
+        Direct is what comes from a window without meeting anything.
+        """
+        key = {"points": digest(points), "normals": digest(normals), "samples": samples, "basis": self.basis.name}
+        return self._of(
+            "view",
+            key,
+            lambda: self._groups.view_matrix(
+                np.ascontiguousarray(points), np.ascontiguousarray(normals), samples, self.seed, progress
+            ),
+        )
+
+    def picture(
+        self,
+        view: View,
+        size_px: tuple[int, int],
+        *,
+        samples: int = 64,
+        progress: Callable[[float], object] | None = None,
+    ) -> Matrix:
+        """Radiance in the pixels of a picture, row by row from the top left, by the radiance of patches.
+
+        Direct is what is seen of a window, and what a surface that is seen gets from it.
+        """
+        width, height = size_px
+        key = {"view": view.options, "size": [width, height], "samples": samples, "basis": self.basis.name}
+
+        def compute() -> dict[str, NDArray[np.float32]]:
+            # A part at a time: colours take three times the memory.
+            parts = []
+            step = max(1, 4_000_000 // (len(self) * len(self.basis)))
+            for first in range(0, width * height, step):
+                last = min(first + step, width * height)
+
+                def share(part: float, first: int = first, last: int = last) -> None:
+                    if progress is not None:
+                        progress((first + part * (last - first)) / (width * height))
+
+                made = self._groups.picture_matrix(view._core, width, height, first, last, samples, self.seed, share)
+                parts.append(_photopic(made))
+            return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+        return Matrix(**self.cache.get("picture", {**self._key, **key}, compute))
+
+    def returned(self, group: int, *, samples: int = 4096) -> Matrix:
+        """Mean radiance from the room at a group's windows by patches of interior light (rows), by that of patches."""
+        key = {"group": group, "samples": samples, "basis": self.basis.name}
+        return self._of("return", key, lambda: self._groups.return_matrix(group, samples, self.seed))
+
+    def daylight(self, group: int, patches: SkyPatches, *, samples: int = 4096) -> Matrix:
+        """Mean radiance from outside at a group's windows by patches of exterior light (rows), by that of the sky's.
+
+        Direct is what comes from the sky or the ground without meeting anything.
+        """
+        key = {"group": group, "patches": patches.name, "samples": samples, "basis": self.basis.name}
+        return self._of("daylight", key, lambda: self._groups.daylight_matrix(group, patches._core, samples, self.seed))
+
+    def apertures(
+        self, points: NDArray[np.float64], normals: NDArray[np.float64], steps: int, *, parts: int = 2
+    ) -> Apertures:
+        """What points (n, 3) with normals (n, 3) see of the windows, in `steps` cells along each axis of the square.
+
+        Each cell is probed by `parts` × `parts` rays.
+        """
+        key = {"points": digest(points), "normals": digest(normals), "steps": steps, "parts": parts}
+        names = ("first", "number", "solid_angle", "projected", "direction")
+
+        def compute() -> dict[str, NDArray[np.generic]]:
+            made = self._groups.apertures(np.ascontiguousarray(points), np.ascontiguousarray(normals), steps, parts)
+            return dict(zip(names, made, strict=True))
+
+        return Apertures(**self.cache.get("apertures", {**self._key, **key}, compute))
+
+    def outlooks(self, points: NDArray[np.float64], directions: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Group of the windows through which points (n, 3) see directions (m, 3); -1 for none, -2 where nothing is met.
+
+        (n, m). A direction that is hidden outside is not seen.
+        """
+        found = self._groups.outlooks(np.ascontiguousarray(points), np.ascontiguousarray(directions)).astype(np.int64)
+        groups = np.array([-1, *self.of_window])
+        return np.where(found == 65535, -2, groups[np.where(found == 65535, 0, found)])
+
+    def _of(self, kind: str, key: dict[str, object], compute: Callable[[], tuple[Floats, Floats, Floats]]) -> Matrix:
+        return Matrix(**self.cache.get(kind, {**self._key, **key}, lambda: _photopic(compute())))
+
+
+def _photopic(made: tuple[Floats, Floats, Floats]) -> dict[str, Floats]:
+    weights = np.asarray(LUMINANCE, dtype=np.float32)
+    every, direct, error = made
+    return {"all": every @ weights, "direct": direct @ weights, "standard_error": error}

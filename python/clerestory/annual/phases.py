@@ -1,0 +1,83 @@
+"""From the sky's patches to the light of windows and of what they light: the products of the matrix methods.
+
+Three phases: E = V T D s (Ward, Mistrick, Lee, McNeil and Jonsson 2011, Leukos 7). What windows return into the room is
+followed to its end: L = T D s + R W L, with R their reflection and W the room's return, where the published method has
+black windows. A façade before the windows is a matrix F between T and D (Wang, Ward and Lee 2018, Energy and Buildings 174).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from clerestory._core import MissingDataError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from clerestory.basis import Basis
+    from clerestory.bsdf import Bsdf
+
+    Floats = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Transfer:
+    """How a system passes light between the patches of a basis."""
+
+    transmission: Floats
+    """(outgoing, incident) radiance of a patch into the room by the radiance of a patch from outside."""
+    reflection: Floats
+    """(outgoing, incident) the same of light from the room that returns to it; 0 where the data set has none."""
+
+    @classmethod
+    def of(cls, bsdf: Bsdf, basis: Basis, band: str | None = None) -> Transfer:
+        """Of a data set; its beams go into the patches that they fall into."""
+        matrix = bsdf.to_matrix(basis, bands=None if band is None else [band])
+        weights = basis.projected_solid_angles
+
+        def table(side: str, scatter: str) -> Floats:
+            model, _ = matrix.model(side, scatter, band)
+            return np.ascontiguousarray(np.maximum(model.values, 0.0) * weights, dtype=np.float32)
+
+        transmission = table("exterior", "transmission")
+        try:
+            reflection = table("interior", "reflection")
+        except MissingDataError:
+            reflection = np.zeros_like(transmission)
+        return cls(transmission, reflection)
+
+    @classmethod
+    def black(cls, basis: Basis) -> Transfer:
+        """Lets nothing pass."""
+        none = np.zeros((len(basis), len(basis)), dtype=np.float32)
+        return cls(none, none)
+
+
+def leaving(transfers: Sequence[Transfer], returned: Sequence[Floats] | None = None) -> Floats:
+    """Radiance of all groups' patches by the radiance that arrives at them from outside.
+
+    Parameters
+    ----------
+    transfers
+        Of each group.
+    returned
+        Of each group (patches, groups · patches): the room's light at its inner side by the groups' patches; None for
+        windows that are black from inside.
+
+    Returns
+    -------
+    Array (groups · patches, groups · patches); columns are incident patches of each group.
+    """
+    size = len(transfers[0].transmission)
+    whole = np.zeros((len(transfers) * size,) * 2, dtype=np.float64)
+    for k, transfer in enumerate(transfers):
+        whole[k * size : (k + 1) * size, k * size : (k + 1) * size] = transfer.transmission
+    if returned is None:
+        return whole.astype(np.float32)
+    back = np.concatenate([t.reflection.astype(np.float64) @ w for t, w in zip(transfers, returned, strict=True)])
+    return np.linalg.solve(np.eye(len(whole)) - back, whole).astype(np.float32)
