@@ -291,6 +291,16 @@ class SkyPatches:
     def solid_angles(self) -> _Floats: ...
     def projected_solid_angles(self) -> _Floats: ...
     def patch_of(self, directions: _Floats) -> _Indices: ...
+    def columns(
+        self,
+        moments: _Floats,
+        light_name: str,
+        light: _Floats,
+        choices: _Choices,
+        part: str,
+        disc_deg: float | None,
+        mean: bool,
+    ) -> NDArray[np.float32]: ...
 
 class System:
     @staticmethod
