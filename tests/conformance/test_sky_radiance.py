@@ -9,7 +9,9 @@ import pytest
 
 from clerestory import ClerestoryError, _core
 from clerestory.cli import main
-from clerestory.sky import Place, Sky, SunPosition, read_weather
+from clerestory.sky import Place, Sky, SunPosition
+from clerestory.weather import SkyYear, read_weather
+from clerestory.weather.wea import to_wea
 from samples import ABSENT, sample_root
 
 pyradiance = pytest.importorskip("pyradiance", reason="pyradiance carries the reference programs")
@@ -299,18 +301,38 @@ def test_pictures_show_the_sky_as_rpict_does(suffix, tmp_path, capsys):
     assert np.abs(ours[inside] / theirs - 1).max() < 0.01
 
 
-def test_hours_of_a_year_are_gendaymtxs():
-    """Every 37th hour of a file with sun and sky, hours of sunset among them: sun, efficacy, patches together."""
+@pytest.mark.parametrize(
+    ("options", "more"),
+    [((), {}), (("-s",), {"part": "sky"}), (("-d", "-5", "0.533"), {"part": "sun", "sun": "nearest"})],
+    ids=["all", "sky", "five-phase sun"],
+)
+def test_years_are_gendaymtxs(options, more):
+    """Every element of a whole year, hours of sunset among them: sun, efficacy, patches together."""
     root = sample_root()
     if root is None:
         pytest.skip(ABSENT)
     path = root / "weather" / "oak.wea"
-    raw = run("gendaymtx", "-od", "-m", "1", "-c", "1", "1", "1", path)
-    theirs = np.frombuffer(raw[raw.index(b"\n\n") + 2 :], dtype="<f8").reshape(146, -1, 3)
+    raw = run("gendaymtx", "-of", "-m", "2", "-c", "1", "1", "1", *options, path)
+    theirs = np.frombuffer(raw[raw.index(b"\n\n") + 2 :], dtype="<f4").reshape(578, 8760, 3)[..., 1]
     weather = read_weather(path)
-    lit = [k for k, hour in enumerate(weather) if hour.diffuse > 0][::37]
-    # Sunsets whose sun is below the horizon and still shines.
-    lit += [2274, 7062]
-    for k in lit:
-        found = weather.sky(weather.hours[k], preset="radiance-matrix").patches()
-        assert np.abs(found - theirs[:, k]).max() < 1e-5 * theirs[:, k].max(), weather.hours[k]
+    ours = SkyYear(weather, "reinhart:2", preset="radiance-matrix").columns(**more)
+    # The sky of an hour without diffuse light is black here.
+    lit = weather.diffuse > 0
+    assert lit.sum() > 4000
+    scale = np.maximum(theirs.max(axis=0), 1e-6)
+    assert (np.abs(ours - theirs).max(axis=0) / scale)[lit].max() < 2e-5
+    assert not ours[:, ~lit].any()
+
+
+def test_wea_files_are_epw2weas(tmp_path):
+    root = sample_root()
+    if root is None:
+        pytest.skip(ABSENT)
+    path = root / "weather" / "AUT_Innsbruck.111200_IWEC.epw"
+    run("epw2wea", path, "theirs.wea", folder=tmp_path)
+    (tmp_path / "ours.wea").write_text(to_wea(read_weather(path)))
+    theirs, ours = (read_weather(tmp_path / f"{name}.wea") for name in ("theirs", "ours"))
+    assert (theirs.place.latitude, theirs.place.longitude) == (ours.place.latitude, ours.place.longitude)
+    assert theirs.time_zone == ours.time_zone
+    for name in ("times", "direct", "diffuse"):
+        assert np.array_equal(getattr(theirs, name), getattr(ours, name)), name

@@ -99,7 +99,7 @@ def test_an_hour_of_weather(tmp_path, capsys):
     code, out, err = run(capsys, "weather", file, "--time", "02-21 13:00")
     assert code == 0
     assert "13:30" in out
-    assert f"warning: {file}: 1 step left out, their light is missing (line 8)" in err
+    assert f"warning: {file}: 1 step: 21 February 14:00 to 15:00: direct or diffuse light is missing" in err
     code, _, err = run(capsys, "weather", file, "--time", "02-21 22:00")
     assert code == 1
     assert f"error: {file}: line 9: no light of the sky at 02-21 22:30" in err

@@ -23,7 +23,7 @@ pub fn pairs(array: &PyReadonlyArray2<'_, f64>, what: &str) -> PyResult<Vec<[f64
 }
 
 /// Rows of an array of N columns, which lie one behind the other.
-fn table<'a, const N: usize>(
+pub fn table<'a, const N: usize>(
     array: &'a PyReadonlyArray2<'_, f64>,
     what: &str,
     columns: &str,

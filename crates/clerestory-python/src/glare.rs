@@ -308,7 +308,11 @@ pub fn rate_glare_hours<'py>(
     let Some(names) = found.iter().find(|row| !row.is_empty()) else {
         return Ok(Vec::new());
     };
-    let column = |k: usize| found.iter().map(move |row| row.get(k).map_or(f64::NAN, |(_, value)| *value));
+    let column = |k: usize| {
+        found
+            .iter()
+            .map(move |row| row.get(k).map_or(f64::NAN, |(_, value)| *value))
+    };
     Ok(names
         .iter()
         .enumerate()

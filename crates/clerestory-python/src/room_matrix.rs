@@ -206,6 +206,33 @@ impl PyWindowGroups {
         PyArray1::from_vec(py, found).reshape([points.len(), directions.len()])
     }
 
+    /// What an eye at a point sees along directions (n, 3) of surfaces that suns (m, 3) light through windows: the window's number
+    /// from 1, 0 for none, and the radiance by the irradiance of a plane that faces the sun (n, m).
+    fn sunlit<'py>(
+        &self,
+        py: Python<'py>,
+        point: [f64; 3],
+        directions: PyReadonlyArray2<'_, f64>,
+        suns: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<(Bound<'py, PyArray2<u16>>, Bound<'py, PyArray2<f32>>)> {
+        let [x, y, z] = point;
+        let (directions, suns) = (vectors(&directions)?, vectors(&suns)?);
+        let found = watched(py, None, |progress| {
+            self.room.sunlit(Vec3::new(x, y, z), &directions, &suns, progress)
+        })?;
+        let shape = [directions.len(), suns.len()];
+        Ok((
+            PyArray1::from_iter(py, found.iter().map(|s| s.window)).reshape(shape)?,
+            PyArray1::from_iter(py, found.iter().map(|s| s.radiance)).reshape(shape)?,
+        ))
+    }
+
+    /// Points (count, 3) just before a group's windows outside; none (0, 3) where nothing but sky and ground is before them.
+    fn outside_of<'py>(&self, py: Python<'py>, group: usize, count: u32) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let points = self.room.outside_of(group, &self.groups, count).map_err(raise)?;
+        rows(py, points.into_iter().flat_map(Vec3::array).collect(), 3)
+    }
+
     /// Axes of a group's samples in the world, a row each: x, y, and z into the room.
     fn frame(&self, group: usize) -> PyResult<[[f64; 3]; 3]> {
         let frame = self.room.frame_of(group, &self.groups).map_err(raise)?;

@@ -4,14 +4,16 @@ use clerestory::geometry::Vec3;
 use clerestory::sky::patches::{Part, SkyPatches, SunPatches, Value};
 use clerestory::sky::perez::Supply;
 use clerestory::sky::{
-    Distribution, Level, Moment, Place, Preset, Quantity, Settings, Sky, SunPosition, Traditional, cie, day_of_year,
+    Distribution, Level, Moment, Place, Preset, Quantity, Settings, Sky, Step, SunPosition, Traditional, cie,
+    day_of_year,
 };
-use numpy::{PyArray1, PyArray2, PyReadonlyArray2, ToPyArray};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
-use crate::arrays::rows;
+use crate::arrays::{rows, table};
 use crate::errors::{ClerestoryError, raise};
+use crate::jobs::watched;
 
 /// Altitude and azimuth (degrees), day of the year, dew point (°C).
 type MomentArguments = (f64, f64, u32, f64);
@@ -234,23 +236,34 @@ impl PySky {
         disc_deg: Option<f64>,
         mean: bool,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let part = match part {
-            "all" => Part::All,
-            "sky" => Part::Sky,
-            "sun" => Part::Sun,
-            _ => {
-                return Err(ClerestoryError::new_err(format!(
-                    "a part {part:?} is not known (known: all, sky, sun)"
-                )));
-            }
-        };
-        let sun = disc_deg.map_or(SunPatches::Spread, SunPatches::Disc);
-        let value = if mean { Value::Mean } else { Value::Centre };
+        let part = named_part(part)?;
+        let (sun, value) = (sun_patches(disc_deg), patch_value(mean));
         let values = py
             .detach(|| patches.0.radiances(&self.0, part, sun, value))
             .map_err(raise)?;
         triples(py, &values)
     }
+}
+
+fn named_part(name: &str) -> PyResult<Part> {
+    Ok(match name {
+        "all" => Part::All,
+        "sky" => Part::Sky,
+        "sun" => Part::Sun,
+        _ => {
+            return Err(ClerestoryError::new_err(format!(
+                "a part {name:?} is not known (known: all, sky, sun)"
+            )));
+        }
+    })
+}
+
+fn sun_patches(disc_deg: Option<f64>) -> SunPatches {
+    disc_deg.map_or(SunPatches::Spread, SunPatches::Disc)
+}
+
+fn patch_value(mean: bool) -> Value {
+    if mean { Value::Mean } else { Value::Centre }
 }
 
 /// A division of the sky.
@@ -298,6 +311,38 @@ impl PySkyPatches {
             .map(|d| self.0.patch_of(d) as i64)
             .collect();
         Ok(found.to_pyarray(py))
+    }
+
+    /// Perez's skies (n, patches) of moments (n, 4), each with two values of light (n, 2).
+    #[allow(clippy::too_many_arguments, reason = "plain numbers from Python")]
+    fn columns<'py>(
+        &self,
+        py: Python<'py>,
+        moments: PyReadonlyArray2<'py, f64>,
+        light_name: &str,
+        light: PyReadonlyArray2<'py, f64>,
+        choices: SettingArguments,
+        part: &str,
+        disc_deg: Option<f64>,
+        mean: bool,
+    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let steps = table::<4>(&moments, "moments", "altitude, azimuth, day, dew point")?
+            .iter()
+            .zip(table::<2>(&light, "light", "direct and diffuse")?)
+            .map(|(&[altitude, azimuth, day, dew_point], &[direct, diffuse])| {
+                Ok(Step {
+                    moment: moment((altitude, azimuth, day as u32, dew_point))?,
+                    supply: supply((light_name.into(), direct, diffuse))?,
+                })
+            })
+            .collect::<PyResult<Vec<_>>>()?;
+        let (settings, part) = (settings(choices)?, named_part(part)?);
+        let (sun, value) = (sun_patches(disc_deg), patch_value(mean));
+        let count = steps.len();
+        let values = watched(py, None, |progress| {
+            self.0.columns(&steps, &settings, part, sun, value, progress)
+        })?;
+        PyArray1::from_vec(py, values).reshape([count, self.0.len()])
     }
 }
 

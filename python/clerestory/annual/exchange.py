@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 Form = Literal["ascii", "float", "double"]
-_TYPES = {"float": np.dtype("<f4"), "double": np.dtype("<f8")}
+_TYPES: dict[str, np.dtype[Any]] = {"float": np.dtype("<f4"), "double": np.dtype("<f8")}
 _SIZES = ("NROWS", "NCOLS", "NCOMP")
 _MOST_HEAD = 1 << 20
 
@@ -104,8 +104,7 @@ def read(path: str | os.PathLike[str]) -> NDArray[np.float64]:
         except ValueError:
             raise wrong("there is something else than numbers in it (write it again)") from None
     elif form in _TYPES:
-        order = ">" if head.get("BigEndian") == "1" else "<"
-        kind = _TYPES[form].newbyteorder(order)
+        kind = _TYPES[form].newbyteorder(">" if head.get("BigEndian") == "1" else "<")
         values = np.frombuffer(body, dtype=kind, count=len(body) // kind.itemsize).astype(np.float64)
     else:
         raise wrong(f"FORMAT={form} is not read (known are ascii, float and double; rmtxop -fd converts)")

@@ -14,7 +14,7 @@ from clerestory import _core
 from clerestory.annual.cache import Cache, digest
 from clerestory.basis import Basis
 from clerestory.photometry import LUMINANCE
-from clerestory.room.world import RecipeError
+from clerestory.trace.keys import RecipeError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,6 +26,10 @@ if TYPE_CHECKING:
     from clerestory.sky import SkyPatches
 
     Floats = NDArray[np.float32]
+
+
+_OUTSIDE = 64
+"""Points at which windows are asked whether the sun reaches them."""
 
 
 @dataclass(frozen=True)
@@ -99,6 +103,10 @@ class RoomMatrices:
     def frame(self, group: int) -> NDArray[np.float64]:
         """Axes of a group's samples in the world (3, 3), a row each: x, y, and z into the room."""
         return np.array(self._groups.frame(group))
+
+    def outside_of(self, group: int) -> NDArray[np.float64]:
+        """Points (n, 3) [m] just before a group's windows outside; none where only sky and ground are before them."""
+        return self._groups.outside_of(group, _OUTSIDE)
 
     def view(
         self,
@@ -187,9 +195,25 @@ class RoomMatrices:
 
         (n, m). A direction that is hidden outside is not seen.
         """
-        found = self._groups.outlooks(np.ascontiguousarray(points), np.ascontiguousarray(directions)).astype(np.int64)
-        groups = np.array([-1, *self.of_window])
-        return np.where(found == 65535, -2, groups[np.where(found == 65535, 0, found)])
+        return self._group_of(self._groups.outlooks(np.ascontiguousarray(points), np.ascontiguousarray(directions)))
+
+    def sunlit(
+        self, point: NDArray[np.float64], directions: NDArray[np.float64], suns: NDArray[np.float64]
+    ) -> tuple[NDArray[np.int64], Floats]:
+        """What an eye at a point (3) [m] sees along directions (n, 3) of what suns (m, 3) light through windows.
+
+        The group of the window (n, m), -1 for none, and the radiance by the irradiance of a plane that faces the
+        sun [1/sr].
+        """
+        x, y, z = point.tolist()
+        windows, radiance = self._groups.sunlit((x, y, z), np.ascontiguousarray(directions), np.ascontiguousarray(suns))
+        return self._group_of(windows), radiance
+
+    def _group_of(self, windows: NDArray[np.uint16]) -> NDArray[np.int64]:
+        """Groups of numbers of windows from 1; -1 for 0, -2 for the number that means that nothing is met."""
+        groups = np.full(int(np.iinfo(np.uint16).max) + 1, -2, dtype=np.int64)
+        groups[: len(self.of_window) + 1] = [-1, *self.of_window]
+        return groups[windows]
 
     def _of(self, kind: str, key: dict[str, object], compute: Callable[[], tuple[Floats, Floats, Floats]]) -> Matrix:
         return Matrix(**self.cache.get(kind, {**self._key, **key}, lambda: _photopic(compute())))

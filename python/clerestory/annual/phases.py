@@ -1,8 +1,8 @@
 """From the sky's patches to the light of windows and of what they light: the products of the matrix methods.
 
-Three phases: E = V T D s (Ward, Mistrick, Lee, McNeil and Jonsson 2011, Leukos 7). What windows return into the room is
-followed to its end: L = T D s + R W L, with R their reflection and W the room's return, where the published method has
-black windows. A façade before the windows is a matrix F between T and D (Wang, Ward and Lee 2018, Energy and Buildings 174).
+Three phases: E = V T D s (Ward, Mistrick, Lee, McNeil and Jonsson 2011, Leukos 7). What windows return into the room
+is followed to its end: L = T D s + R W L, with R their reflection and W the room's return, where the published method
+has black windows.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from clerestory.basis import Basis
     from clerestory.bsdf import Bsdf
+    from clerestory.directions import Scatter, Side
 
     Floats = NDArray[np.float32]
 
@@ -40,7 +41,7 @@ class Transfer:
         matrix = bsdf.to_matrix(basis, bands=None if band is None else [band])
         weights = basis.projected_solid_angles
 
-        def table(side: str, scatter: str) -> Floats:
+        def table(side: Side, scatter: Scatter) -> Floats:
             model, _ = matrix.model(side, scatter, band)
             return np.ascontiguousarray(np.maximum(model.values, 0.0) * weights, dtype=np.float32)
 

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 
 from clerestory._core import ClerestoryError
 from clerestory.check.conventions import copies, halves, placeholders, symmetry, transposed, units
-from clerestory.check.finding import PURPOSES, SEVERITIES, Finding, Purpose, Severity
 from clerestory.check.physics import empty, energy, negative, outliers, reciprocity, thermal
+from clerestory.check.purpose import PURPOSES, Purpose
 from clerestory.check.purpose import purpose as serves
 from clerestory.check.tables import tables
+from clerestory.finding import SEVERITIES, Finding, Severity
 from clerestory.words import band_name
 
 if TYPE_CHECKING:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clerestory.check.finding import Finding, Severity
 from clerestory.check.physics import ENERGY_ERROR, ENERGY_WARNING, LIT, permutation
 from clerestory.check.tables import neighbours
 from clerestory.directions import SIDES
+from clerestory.finding import Finding, Severity
 from clerestory.words import percent
 
 if TYPE_CHECKING:

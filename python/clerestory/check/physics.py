@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clerestory.check.finding import Finding, Severity
 from clerestory.check.tables import Table, neighbours, reciprocal
 from clerestory.directions import SIDES
+from clerestory.finding import Finding, Severity
 from clerestory.words import percent
 
 if TYPE_CHECKING:

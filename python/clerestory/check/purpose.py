@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from clerestory._core import MissingDataError
-from clerestory.check.finding import Finding
 from clerestory.directions import direction
+from clerestory.finding import Finding
 from clerestory.integrals import PROBES_DEG, direct_direct
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from clerestory.bsdf import Bsdf
-    from clerestory.check.finding import Purpose
+
+Purpose = Literal["illuminance", "glare", "ase"]
+PURPOSES: tuple[Purpose, ...] = ("illuminance", "glare", "ase")
 
 SUN_DEG = 0.53
 """Width of the sun [°]."""

@@ -46,7 +46,7 @@ def check(
 
     Example: clerestory check --for glare blind.xml fabric.xml
     """
-    from clerestory.check.finding import PURPOSES
+    from clerestory.check.purpose import PURPOSES
 
     wanted: Purpose | None = None
     if purpose is not None:

@@ -281,12 +281,13 @@ def _make(
 
 
 def _from_weather(path: Path, time: str | None, method: str | None, common: dict[str, Any]) -> tuple[Sky, Place]:
-    from clerestory.sky import read_weather
+    from clerestory.weather import read_weather
 
     with about(path):
         weather = read_weather(path)
-    for text in weather.warnings:
-        warn(path, text)
+    for finding in weather.findings:
+        if finding.severity != "note":
+            warn(path, str(finding).partition(": ")[2])
     if time is None:
         raise UsageError("--time: which step of the file is unknown (give --time '02-21 14:00')")
     with about(path):

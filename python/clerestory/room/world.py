@@ -212,7 +212,7 @@ class Room:
         return render(self._core, chosen, noise=noise, samples=samples, seconds=seconds, seed=seed, progress=progress)
 
     def described(self) -> tuple[bytes, list[object]]:
-        """All that its light depends on but for its systems and its sky: shapes; surfaces, materials, media, windows."""
+        """All that its light depends on but for systems and sky: shapes; surfaces, materials, media, windows."""
         from hashlib import sha256
 
         from clerestory.npz import encode

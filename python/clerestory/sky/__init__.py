@@ -6,7 +6,6 @@ The world has x east, y north and z up. Azimuths are compass azimuths: clockwise
 from clerestory.sky.model import PARTS, PRESETS, Sky, SkySettings, SkyTable, SunDisc
 from clerestory.sky.patches import SkyPatches
 from clerestory.sky.position import Place, SunPosition
-from clerestory.sky.weather import Weather, WeatherHour, read_weather
 
 __all__ = [
     "PARTS",
@@ -18,7 +17,4 @@ __all__ = [
     "SkyTable",
     "SunDisc",
     "SunPosition",
-    "Weather",
-    "WeatherHour",
-    "read_weather",
 ]

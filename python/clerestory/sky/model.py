@@ -546,8 +546,13 @@ def _settings(
         colour=factors,
         ground_reflectance=float(ground_reflectance),
         north_deg=float(north_deg),
-        dew_point=_DEW_POINTS[preset] if dew_point is None else float(dew_point),
+        dew_point=default_dew_point(preset) if dew_point is None else float(dew_point),
     )
+
+
+def default_dew_point(preset: Preset) -> float:
+    """Dew point [°C] of a preset for weather that has none."""
+    return _DEW_POINTS[preset]
 
 
 def _moment(settings: SkySettings) -> tuple[float, float, int, float]:

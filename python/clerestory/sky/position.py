@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta, timezone, tzinfo
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 from zoneinfo import ZoneInfo
 
 import numpy as np
@@ -13,10 +13,14 @@ import numpy as np
 from clerestory import _core
 from clerestory._core import ClerestoryError
 
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
 Method = Literal["spa", "radiance", "almanac"]
 METHODS: tuple[Method, ...] = ("spa", "radiance", "almanac")
 
 _COMPASS = ("N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW")
+_BEFORE = np.cumsum([0, 31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30])
 _FORMATS = ("%Y-%m-%d %H:%M", "%Y-%m-%dT%H:%M", "%Y-%m-%d %H:%M:%S", "%Y-%m-%dT%H:%M:%S")
 
 
@@ -154,17 +158,26 @@ class SunPosition:
 
 def _day_of_year(when: datetime) -> int:
     """Day 1 to 365; 29 February counts as 60, as in weather files."""
-    return min(365, datetime(2001, when.month, min(when.day, 28)).timetuple().tm_yday + max(0, when.day - 28))
+    return int(days_of_year(np.array([when.month]), np.array([when.day]))[0])
+
+
+def days_of_year(months: NDArray[np.int64], days: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Days 1 to 365 (n,) of months and days of the month; 29 February counts as 60, as in weather files."""
+    return np.minimum(365, _BEFORE[months - 1] + days)
 
 
 def _spa(place: Place, when: datetime) -> tuple[float, float]:
-    """Altitude, without refraction, and azimuth by pvlib."""
+    altitude, azimuth = spa(place, np.array([when.astimezone(UTC).replace(tzinfo=None)], dtype="datetime64[ms]"))
+    return float(altitude[0]), float(azimuth[0])
+
+
+def spa(place: Place, universal: NDArray[np.datetime64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Altitude, without refraction, and compass azimuth [°] (n,) at UTC times (n,), by pvlib."""
     from pvlib.spa import calculate_deltat, solar_position
 
-    universal = when.astimezone(UTC)
-    delta = calculate_deltat(universal.year, universal.month)
+    seconds = universal.astype("datetime64[ms]").astype(np.int64) / 1e3
+    months = universal.astype("datetime64[M]").astype(np.int64)
+    delta = calculate_deltat(1970 + months // 12, 1 + months % 12)
     # Elevation above the sea, pressure and temperature are read by the refraction, and by a parallax of 0.002°, only.
-    found = solar_position(
-        np.array([universal.timestamp()]), place.latitude, place.longitude, 0.0, 1013.25, 12.0, delta, 0.5667
-    )
-    return float(found[3, 0]), float(found[4, 0])
+    found = solar_position(seconds, place.latitude, place.longitude, 0.0, 1013.25, 12.0, delta, 0.5667)
+    return found[3], found[4]

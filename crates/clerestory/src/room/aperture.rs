@@ -138,26 +138,31 @@ impl Room {
     }
 
     fn outlook(&self, point: Vec3, direction: Vec3) -> u16 {
-        let mut ray = Ray {
+        self.outlook_along(&mut Ray {
             origin: point,
             direction,
             piece: NO_PIECE,
-        };
-        let Meeting::Hit(hit) = self.mesh.meet(&mut ray) else {
+        })
+    }
+
+    pub(super) fn outlook_along(&self, ray: &mut Ray) -> u16 {
+        let Meeting::Hit(hit) = self.mesh.meet(ray) else {
             return OPEN;
         };
         match self.roles[hit.surface as usize] {
-            Role::Window(number) if direction.dot(hit.normal) < 0.0 => match self.mesh.meet(&mut ray) {
-                Meeting::Hit(_) => 0,
+            Role::Window(number) if ray.direction.dot(hit.normal) < 0.0 => match self.mesh.meet(ray) {
+                Meeting::Hit(_) => NONE,
                 Meeting::Leaves | Meeting::Lost => number as u16 + 1,
             },
-            _ => 0,
+            _ => NONE,
         }
     }
 }
 
 /// What [`Room::outlooks`] tells where a ray leaves without meeting a window.
 pub const OPEN: u16 = u16::MAX;
+/// What it tells where something is in the way.
+pub const NONE: u16 = 0;
 
 /// A rectangle about a window in its plane, as a point sees it.
 struct Outline {

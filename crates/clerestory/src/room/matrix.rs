@@ -167,6 +167,20 @@ impl Room {
         }
     }
 
+    /// Points just before a group's windows outside, even in area; none where nothing but sky and ground is before them.
+    pub fn outside_of(&self, group: usize, groups: &Groups, count: u32) -> Result<Vec<Vec3>> {
+        let area = self.area_of(group, groups)?;
+        if area.0.iter().all(|(window, _)| !self.windows[*window].obstructed()) {
+            return Ok(Vec::new());
+        }
+        let point = |k: u32| {
+            let mut draws = Draws::new(0, k);
+            let (window, point) = area.sample(self, &mut draws);
+            point - self.windows[window].polygon().normal() * LIFT
+        };
+        Ok((0..count).map(point).collect())
+    }
+
     fn receivers<'a>(&self, groups: &'a Groups) -> Result<Targets<'a>> {
         groups.check(self.windows.len())?;
         Ok(Targets::Windows(&groups.of_window, &groups.basis))

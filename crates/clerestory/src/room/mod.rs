@@ -17,15 +17,17 @@ mod path;
 mod picture;
 mod polygon;
 mod sensor;
+mod sunlit;
 #[cfg(test)]
 mod tests;
 mod window;
 
-pub use aperture::{Cell, OPEN};
+pub use aperture::{Cell, NONE, OPEN};
 pub use field::Rgb;
 pub use matrix::{Groups, Paths, Rows};
 pub use picture::{Accumulated, Picture};
 pub use sensor::{Estimate, Sensor};
+pub use sunlit::Sunlit;
 pub use window::{System, Window};
 
 use std::f64::consts::TAU;

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::integrate::horizontal;
+use crate::geometry::Vec3;
 
 /// Published skies rise without limit at the horizon or are singular there; all programs hold cos ζ at this value.
 const LOWEST_COSINE: f64 = 0.01;
@@ -45,9 +46,31 @@ impl Lobed {
 
     /// The value at cos ζ and the angle γ to the sun (radians).
     pub fn value(&self, cos_zenith: f64, gamma: f64) -> f64 {
-        let gradation = 1.0 + self.a * (self.b / cos_zenith.max(LOWEST_COSINE)).exp();
-        let cos_gamma = gamma.cos();
-        gradation * (self.base + self.c * (self.d * gamma).exp() + self.e * cos_gamma * cos_gamma)
+        self.gradation(cos_zenith) * self.indicatrix(gamma, gamma.cos())
+    }
+
+    fn gradation(&self, cos_zenith: f64) -> f64 {
+        1.0 + self.a * (self.b / cos_zenith.max(LOWEST_COSINE)).exp()
+    }
+
+    fn indicatrix(&self, gamma: f64, cos_gamma: f64) -> f64 {
+        self.base + self.c * (self.d * gamma).exp() + self.e * cos_gamma * cos_gamma
+    }
+
+    /// Sum of the values, none of them negative, in unit directions with the sun `toward`; fast where neighbours have one
+    /// altitude.
+    pub fn sum(&self, directions: &[Vec3], toward: Vec3) -> f64 {
+        let (mut height, mut gradation) = (f64::NAN, 0.0);
+        let mut sum = 0.0;
+        for direction in directions {
+            if direction.z != height {
+                height = direction.z;
+                gradation = self.gradation(height);
+            }
+            let cos_gamma = direction.dot(toward).clamp(-1.0, 1.0);
+            sum += (gradation * self.indicatrix(cos_gamma.acos(), cos_gamma)).max(0.0);
+        }
+        sum
     }
 }
 

@@ -14,6 +14,7 @@ pub mod patches;
 pub mod perez;
 mod preetham;
 mod sun;
+mod year;
 
 use std::f64::consts::PI;
 
@@ -22,6 +23,7 @@ pub use distribution::{Distribution, Lobed};
 use perez::{Conditions, Daylight, Supply};
 pub use preetham::Preetham;
 pub use sun::{HALF_ANGLE, Place, Sun, SunPosition, day_of_year, disc_solid_angle};
+pub use year::Step;
 
 use crate::error::{Error, Result};
 use crate::geometry::Vec3;
@@ -159,6 +161,25 @@ enum Shape {
 impl Sky {
     /// Perez's all-weather sky.
     pub fn perez(moment: &Moment, supply: Supply, settings: &Settings) -> Result<Self> {
+        Self::perez_with(moment, supply, settings, |distribution, zenith_angle| {
+            distribution.horizontal(zenith_angle)
+        })
+    }
+
+    /// The same, roughly scaled: for patches, which are scaled anew.
+    fn perez_for_patches(moment: &Moment, supply: Supply, settings: &Settings) -> Result<Self> {
+        Self::perez_with(moment, supply, settings, |distribution, zenith_angle| {
+            distribution.horizontal_by_tregenza(zenith_angle)
+        })
+    }
+
+    /// With a way to find ∫ L cos ζ dω over the sky where the preset has none of its own.
+    fn perez_with(
+        moment: &Moment,
+        supply: Supply,
+        settings: &Settings,
+        horizontal: impl Fn(&Distribution, f64) -> f64,
+    ) -> Result<Self> {
         let settings = settings.checked()?;
         let about = match settings.preset {
             Preset::Radiance => moment.sun.no_higher_than(HIGHEST.to_radians()),
@@ -172,7 +193,7 @@ impl Sky {
         let mut distribution = Distribution::Lobed(lobed);
         let mut share = match settings.preset {
             Preset::Radiance => distribution.horizontal_by_tregenza(about.zenith_angle()),
-            Preset::Clerestory | Preset::RadianceMatrix => distribution.horizontal(about.zenith_angle()),
+            Preset::Clerestory | Preset::RadianceMatrix => horizontal(&distribution, about.zenith_angle()),
         };
         if share <= 0.0 {
             // Only outside of what was fitted: the matrix program makes it uniform.
@@ -452,6 +473,27 @@ impl Sky {
         }
         let gamma = direction.dot(self.toward).clamp(-1.0, 1.0).acos();
         self.value(direction.z, gamma)
+    }
+
+    /// Mean radiance of directions above the horizon.
+    fn mean_radiance(&self, directions: &[Vec3]) -> [f64; 3] {
+        let count = directions.len() as f64;
+        if let Shape::Grey {
+            distribution: Distribution::Lobed(lobed),
+            scale,
+        } = &self.shape
+            && !self.blends()
+        {
+            let mean = scale * lobed.sum(directions, self.toward) / count;
+            return self.settings.colour.map(|c| c * mean);
+        }
+        let mut mean = [0.0; 3];
+        for &direction in directions {
+            for (total, l) in mean.iter_mut().zip(self.radiance(direction)) {
+                *total += l / count;
+            }
+        }
+        mean
     }
 
     /// Radiance by the cosine of the angle to the zenith and the angle to the sun (radians).

@@ -13,7 +13,7 @@ use crate::geometry::Vec3;
 /// Patches of Tregenza's rows from the horizon up, without the zenith.
 const COUNTS: [usize; 7] = [30, 30, 24, 24, 18, 12, 6];
 /// Samples across a patch of Tregenza's, for means.
-const SAMPLES: usize = 24;
+const SAMPLES: usize = 16;
 
 /// A division of the sky into Reinhart's patches, and the ground.
 #[derive(Debug, Clone)]
@@ -54,6 +54,12 @@ pub enum Value {
     Centre,
     /// The mean over the patch.
     Mean,
+}
+
+/// Directions in which patches are looked at, equally many in each but the ground.
+pub(super) struct Samples {
+    each: usize,
+    directions: Vec<Vec3>,
 }
 
 impl SkyPatches {
@@ -191,9 +197,20 @@ impl SkyPatches {
     /// cosines, as that program does. In others the sky is scaled by one factor, so that its horizontal irradiance over the
     /// patches' projected solid angles is the sky's own.
     pub fn radiances(&self, sky: &Sky, part: Part, sun: SunPatches, value: Value) -> Result<Vec<[f64; 3]>> {
+        self.radiances_at(sky, part, sun, &self.samples(value))
+    }
+
+    /// As [`SkyPatches::radiances`], with directions that were found once for many skies.
+    pub(super) fn radiances_at(
+        &self,
+        sky: &Sky,
+        part: Part,
+        sun: SunPatches,
+        samples: &Samples,
+    ) -> Result<Vec<[f64; 3]>> {
         let mut made = vec![[0.0; 3]; self.len()];
         if part != Part::Sun {
-            self.put_sky(sky, value, &mut made);
+            self.put_sky(sky, samples, &mut made);
         }
         if let Some(disc) = sky.sun().filter(|_| part != Part::Sky) {
             self.put_sun(&disc, sun, &mut made)?;
@@ -201,13 +218,10 @@ impl SkyPatches {
         Ok(made)
     }
 
-    fn put_sky(&self, sky: &Sky, value: Value, made: &mut [[f64; 3]]) {
+    fn put_sky(&self, sky: &Sky, samples: &Samples, made: &mut [[f64; 3]]) {
         made[0] = sky.ground();
-        for (patch, radiance) in made.iter_mut().enumerate().skip(1) {
-            *radiance = match value {
-                Value::Centre => sky.radiance(self.centre(patch)),
-                Value::Mean => self.mean(sky, patch),
-            };
+        for (radiance, directions) in made[1..].iter_mut().zip(samples.directions.chunks(samples.each)) {
+            *radiance = sky.mean_radiance(directions);
         }
         let wanted = sky.diffuse_horizontal();
         let at_centres = sky.settings().preset == Preset::RadianceMatrix;
@@ -235,22 +249,33 @@ impl SkyPatches {
         }
     }
 
-    /// Mean over cells of equal solid angle.
-    fn mean(&self, sky: &Sky, patch: usize) -> [f64; 3] {
-        let across = SAMPLES.div_ceil(self.subdivision).max(4);
-        let ([low, high], [left, right]) = self.limits(patch);
-        let (low, high) = (low.sin(), high.sin());
-        let mut sum = [0.0; 3];
-        for i in 0..across {
-            let sin = low + (high - low) * (i as f64 + 0.5) / across as f64;
-            for j in 0..across {
-                let azimuth = left + (right - left) * (j as f64 + 0.5) / across as f64;
-                for (total, l) in sum.iter_mut().zip(sky.radiance(direction(sin.asin(), azimuth))) {
-                    *total += l;
+    /// Where the sky is looked at.
+    pub(super) fn samples(&self, value: Value) -> Samples {
+        let patches = 1..self.len();
+        match value {
+            Value::Centre => Samples {
+                each: 1,
+                directions: patches.map(|patch| self.centre(patch)).collect(),
+            },
+            Value::Mean => {
+                let across = SAMPLES.div_ceil(self.subdivision).max(4);
+                Samples {
+                    each: across * across,
+                    directions: patches.flat_map(|patch| self.within(patch, across)).collect(),
                 }
             }
         }
-        sum.map(|total| total / (across * across) as f64)
+    }
+
+    /// Centres of `across`² cells of a patch that have equal solid angles.
+    fn within(&self, patch: usize, across: usize) -> impl Iterator<Item = Vec3> {
+        let ([low, high], [left, right]) = self.limits(patch);
+        let (low, high) = (low.sin(), high.sin());
+        let share = move |k: usize| (k as f64 + 0.5) / across as f64;
+        (0..across * across).map(move |cell| {
+            let sin = low + (high - low) * share(cell / across);
+            direction(sin.asin(), left + (right - left) * share(cell % across))
+        })
     }
 
     fn put_sun(&self, disc: &Sun, how: SunPatches, made: &mut [[f64; 3]]) -> Result<()> {

@@ -6,21 +6,19 @@ from dataclasses import dataclass
 from typing import Literal
 
 Severity = Literal["error", "warning", "note"]
-Purpose = Literal["illuminance", "glare", "ase"]
 SEVERITIES: tuple[Severity, Severity, Severity] = ("error", "warning", "note")
-PURPOSES: tuple[Purpose, Purpose, Purpose] = ("illuminance", "glare", "ase")
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that a person should know before using a data set."""
+    """One thing that a person should know before using data."""
 
     severity: Severity
     """error: do not use it so; warning: find out first; note: good to know."""
     check: str
     """Which check it comes from, in one word."""
     where: str
-    """Band, side, scatter and incident direction in words; empty for the whole data set."""
+    """Band, side, scatter and incident direction, or hours, in words; empty for all of the data."""
     what: str
     """What is wrong, with its figures."""
     remedy: str
