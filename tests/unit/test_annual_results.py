@@ -1,6 +1,7 @@
 """Labelled results of a year, their files and their pictures."""
 
 import csv
+import re
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from clerestory.plot.occurrence import occurrence
 from clerestory.sky import Place
 from clerestory.weather import Hours, synthetic_year
 from clerestory.weather.figure import sun_hours
+from samples import ROOT
 
 xarray = pytest.importorskip("xarray")
 
@@ -239,3 +241,10 @@ def test_pictures_of_nothing_are_refused(wrong):
 def test_pictures_are_the_same_byte_for_byte(weather, illuminance):
     one, two = (style.render(occurrence({"A": illuminance[:, 0]}, Hours().weights(weather)), ".svg") for _ in range(2))
     assert one == two
+
+
+def test_the_examples_of_the_page_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = (ROOT / "docs" / "metrics.md").read_text()
+    exec("\n".join(re.findall(r"```python\n(.*?)```", text, re.DOTALL)), {})
+    assert {path.name for path in tmp_path.iterdir()} == {"room.nc", "plan.png", "dgp.png"}
