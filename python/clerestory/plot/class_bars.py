@@ -95,11 +95,13 @@ def class_bars(
         foot += heights
     if (~known).any():
         ax.bar(at[~known], np.full((~known).sum(), top), 0.72, **style.MISSING)
-    ax.set_xlim(-0.6, len(shares) - 0.4)
+    # Few bars stay as slim as many are.
+    edge = max(0.6, 0.5 * (6 - len(shares)))
+    ax.set_xlim(-edge, len(shares) - 1 + edge)
     ax.set_ylim(0.0, top)
     ax.set_xticks(at, list(shares), rotation=30 if slanted else 0, ha="right" if slanted else "center")
     ax.tick_params(axis="x", length=0)
-    ax.set_ylabel(ylabel)
+    ax.set_ylabel(ylabel if top == 100.0 else f"{ylabel}, cut off at {top:g} %")
     ax.set_title(title, loc="left")
     ax.grid(axis="y")
     ax.set_axisbelow(True)
