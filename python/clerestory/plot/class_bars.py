@@ -96,8 +96,8 @@ def class_bars(
     if (~known).any():
         ax.bar(at[~known], np.full((~known).sum(), top), 0.72, **style.MISSING)
     # Few bars stay as slim as many are.
-    edge = max(0.6, 0.5 * (6 - len(shares)))
-    ax.set_xlim(-edge, len(shares) - 1 + edge)
+    margin = max(0.6, 0.5 * (6 - len(shares)))
+    ax.set_xlim(-margin, len(shares) - 1 + margin)
     ax.set_ylim(0.0, top)
     ax.set_xticks(at, list(shares), rotation=30 if slanted else 0, ha="right" if slanted else "center")
     ax.tick_params(axis="x", length=0)
