@@ -106,11 +106,19 @@ def test_parquet_is_read(tmp_path):
     assert [str(t)[11:] for t in weather.times] == ["14:07:30", "14:22:30", "14:37:30"]
 
 
+def test_damaged_parquet_is_refused(tmp_path):
+    pytest.importorskip("pyarrow", reason="pyarrow reads Parquet")
+    (tmp_path / "w.parquet").write_bytes(b"PAR1 and nothing else")
+    with pytest.raises(FileFormatError, match="it is not whole, or no Parquet file"):
+        read_weather(tmp_path / "w.parquet", place=ALDRANS)
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
         ("time,dni\n2021-02-21 14:00,1\n", "there is none beside dni among the columns time, dni"),
         ("time,power\n2021-02-21 14:00,1\n", "there is none among the columns"),
+        ("a,b\n1,2\n", "nor a table with columns of weather; its first are a, b"),
         ("when,dni,dhi\n2021-02-21 14:00,1,1\n", "no column of times, and none of month"),
         ("time,dni,dhi\nnoon,1,1\n", "line 2: 'noon' is not a time"),
         ("time,dni,dhi\n2021-02-21 14:00,much,1\n", "line 2: dni is 'much'"),

@@ -32,7 +32,7 @@ _STAMPS = ("middle", "begin", "end")
 def weather(
     file: Annotated[
         Path | None,
-        typer.Argument(metavar="[FILE]", help="EPW, WEA, TMY3 or NSRDB CSV, CSV or Parquet.", show_default=False),
+        typer.Argument(metavar="FILE", help="EPW, WEA, TMY3 or NSRDB CSV, CSV or Parquet.", show_default=False),
     ] = None,
     *,
     output: Annotated[
@@ -84,8 +84,7 @@ def weather(
         raise UsageError("--fill-hours: a synthetic year has no gaps (leave it out)")
     if output is not None:
         refuse_overwriting(output, [file] if file is not None else [])
-        with about(file or output):
-            _write(made, output, suffix)
+        write_whole(output, _content(made, file, suffix))
     if as_json:
         written = [] if output is None else [str(output)]
         print_json({**summary(made), "findings": made.findings, "written": written})
@@ -174,16 +173,16 @@ def _read(
         )
 
 
-def _write(made: Weather, output: Path, suffix: str) -> None:
+def _content(made: Weather, file: Path | None, suffix: str) -> bytes | str:
     if suffix == ".wea":
         from clerestory.weather.wea import to_wea
 
-        write_whole(output, to_wea(made))
-        return
+        with about(file or Path("synthetic year")):
+            return to_wea(made)
     from clerestory.plot.style import render
     from clerestory.weather.figure import year
 
-    write_whole(output, render(year(made), suffix))
+    return render(year(made), suffix)
 
 
 def summary(made: Weather) -> dict[str, Any]:

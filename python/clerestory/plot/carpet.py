@@ -12,9 +12,12 @@ from clerestory._core import ClerestoryError
 from clerestory.plot import style
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from matplotlib.axes import Axes
     from matplotlib.collections import QuadMesh
     from matplotlib.colors import Colormap, Normalize
+    from matplotlib.figure import Figure
     from numpy.typing import ArrayLike, NDArray
 
 FEW_DAYS = 60
@@ -96,6 +99,60 @@ def carpet(
                 ax.hlines(line, at, at + 1, **_SUN_LINE)
     _label(ax, columns, hours, is_year=is_year)
     return mesh
+
+
+@style.styled
+def carpets(
+    values: Mapping[str, ArrayLike],
+    times: NDArray[np.datetime64],
+    step: float,
+    *,
+    label: str,
+    limits: tuple[float, float] | None = None,
+    scale: style.Scale = "linear",
+    sun: SunHours | None = None,
+    hours: tuple[float, float] = (0.0, 24.0),
+    title: str = "",
+) -> Figure:
+    """Carpets of several data sets on one scale.
+
+    As figures 66, 67, 74 and 75 of the report of IEA SHC Task 61 (2021, C.2.2) show illuminance at the eye.
+
+    Parameters
+    ----------
+    values
+        By step (n,), by data set.
+    times, step, sun, hours
+        As for `carpet`.
+    label
+        What the values are, with their unit.
+    limits, scale
+        Of the colours, for all.
+    title
+        Of the picture.
+    """
+    if not values:
+        raise ClerestoryError("no data set was given (give at least one)")
+    every = np.concatenate([np.asarray(v, dtype=np.float64) for v in values.values()])
+    norm = style.norm(every, scale, limits)
+    across = 1 if len(values) == 1 else 2
+    down = -(-len(values) // across)
+    figure = style.new_figure(7.6 if across == 1 else 11.0, 0.5 + (3.0 if across == 1 else 1.75) * down)
+    axes = figure.subplots(down, across, squeeze=False)
+    for k, ax in enumerate(axes.ravel()):
+        if k >= len(values):
+            ax.set_axis_off()
+            continue
+        name, v = list(values.items())[k]
+        carpet(ax, times, v, step, norm, sun=sun, hours=hours)
+        ax.set_title(name, loc="left")
+        if k % across:
+            ax.set_yticklabels([])
+    bar = figure.colorbar(style.mappable(norm), ax=axes, pad=0.015, shrink=0.95, extend=style.extend(every, norm))
+    bar.set_label(label)
+    if title:
+        figure.suptitle(title, x=0.01, ha="left", fontsize=10)
+    return figure
 
 
 def _columns(days: NDArray[np.datetime64]) -> tuple[NDArray[np.datetime64], bool]:

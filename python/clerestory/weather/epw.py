@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
-
 import numpy as np
 
 from clerestory._core import FileFormatError
@@ -30,7 +27,7 @@ _MISSING_TEMPERATURE = 99.9
 
 def read_epw(text: str) -> Weather:
     """Weather of the text of an EPW file, whose hours are named by their end."""
-    rows = list(csv.reader(io.StringIO(text)))
+    rows = of_line.cells(text)
     head = rows[0]
     if len(head) < 10:
         raise FileFormatError(f"line 1: LOCATION has {len(head)} fields instead of 10 (is the file whole?)")

@@ -14,6 +14,7 @@ from clerestory.weather.calendar import MONTHS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
     from clerestory.weather.weather import Weather
 
@@ -35,7 +36,7 @@ def sun_hours(weather: Weather) -> SunHours:
     return SunHours(days, _first(rises), _first(sets))
 
 
-def _first(crossings: np.ndarray) -> np.ndarray:
+def _first(crossings: NDArray[np.float64]) -> NDArray[np.float64]:
     """The first time of each day that is not NaN."""
     found = np.isfinite(crossings)
     which = np.argmax(found, axis=1)

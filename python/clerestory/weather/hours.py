@@ -79,6 +79,10 @@ class Hours:
             chosen &= weather.is_daylight
         return chosen
 
+    def weights(self, weather: Weather) -> NDArray[np.float64]:
+        """Hours that each step of the weather counts for (n,): the length of its interval, or 0."""
+        return np.where(self.mask(weather), weather.interval, 0.0)
+
     def clock_times(self, weather: Weather) -> Times:
         """Middle of each interval (n,) on the clock that the people live by."""
         if self.clock is None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import math
 from typing import TYPE_CHECKING
 
@@ -21,6 +23,14 @@ OFFSET = -10.0
 """Negative irradiances down to this [W/m²] are what a pyranometer shows at night, and count as 0."""
 
 _DAYS = (31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
+
+
+def cells(text: str) -> list[list[str]]:
+    """Rows of the text of a CSV file."""
+    try:
+        return list(csv.reader(io.StringIO(text)))
+    except csv.Error as error:
+        raise FileFormatError(f"it is no table ({error})") from error
 
 
 def number(text: str, what: str, line: int) -> float:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import re
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -63,7 +61,7 @@ def read_table(
     text: str, place: Place | None, elevation: float | None, columns: Mapping[str, str], stamp: Stamp | None
 ) -> Weather:
     """Weather of the text of a CSV file: TMY3, NSRDB, or any with named columns."""
-    rows = list(csv.reader(io.StringIO(text)))
+    rows = of_line.cells(text)
     first = [cell.strip().lower() for cell in rows[0]] if rows else []
     second = [cell.strip().lower() for cell in rows[1]] if len(rows) > 1 else []
     if second and second[0].startswith("date (mm/dd/yyyy)"):
@@ -92,9 +90,7 @@ def read_table(
             _table(rows, 2, "NSRDB"), place, height if elevation is None else elevation, columns, stamp or "middle"
         )
     start = next((k for k, row in enumerate(rows) if row and not row[0].lstrip().startswith("#")), 0)
-    if place is None:
-        raise FileFormatError("a table with named columns does not say where it is (give its place: latitude, …)")
-    return _weather(_table(rows, start, "CSV"), place, elevation or 0.0, columns, stamp)
+    return _plain(_table(rows, start, "CSV"), place, elevation, columns, stamp)
 
 
 def read_parquet(
@@ -105,12 +101,30 @@ def read_parquet(
         from pyarrow import parquet
     except ImportError as error:
         raise ClerestoryError(_PARQUET) from error
-    if place is None:
-        raise FileFormatError("a table with named columns does not say where it is (give its place: latitude, …)")
-    data = parquet.read_table(path)
+    try:
+        data = parquet.read_table(path)
+    except (ValueError, OSError) as error:
+        raise FileFormatError(f"it is not whole, or no Parquet file ({str(error).splitlines()[0]})") from error
     made = {name: data.column(name).to_pylist() for name in data.column_names}
     rows = np.arange(1, data.num_rows + 1)
-    return _weather(Table(made, rows, "Parquet"), place, elevation or 0.0, columns, stamp)
+    return _plain(Table(made, rows, "Parquet"), place, elevation, columns, stamp)
+
+
+def _plain(
+    table: Table, place: Place | None, elevation: float | None, columns: Mapping[str, str], stamp: Stamp | None
+) -> Weather:
+    """Weather of a table that says nothing of its place."""
+    if not _named(table, columns):
+        names = ", ".join(name[:20] for name in list(table.columns)[:6])
+        raise FileFormatError(
+            f"neither EPW, WEA, TMY3 or NSRDB, nor a table with columns of weather; its first are {names} (give "
+            "another file, or name them: --column dni=NAME)"
+        )
+    if place is None:
+        raise FileFormatError(
+            "a table with named columns does not say where it is (give --place LAT,LON and --timezone HOURS, or place)"
+        )
+    return _weather(table, place, elevation or 0.0, columns, stamp)
 
 
 def _table(rows: list[list[str]], head: int, form: str) -> Table:
