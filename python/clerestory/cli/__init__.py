@@ -21,7 +21,7 @@ from clerestory.cli.common import UsageError, in_one_line, is_expected
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_COMMANDS = ("info", "check", "query", "convert", "plot", "trace", "sky", "render", "glare", "compare")
+_COMMANDS = ("info", "check", "query", "convert", "plot", "trace", "sky", "render", "glare", "photo", "compare")
 
 app = typer.Typer(
     name="clerestory",
