@@ -21,7 +21,20 @@ from clerestory.cli.common import UsageError, in_one_line, is_expected
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_COMMANDS = ("info", "check", "query", "convert", "plot", "trace", "sky", "render", "glare", "photo", "compare")
+_COMMANDS = (
+    "info",
+    "check",
+    "query",
+    "convert",
+    "plot",
+    "trace",
+    "sky",
+    "render",
+    "glare",
+    "photo",
+    "photo_compare",
+    "compare",
+)
 
 app = typer.Typer(
     name="clerestory",
@@ -58,7 +71,7 @@ def _add(name: str) -> None:
     """Add a command; the example at the end of its docstring is kept on a line of its own."""
     command = getattr(import_module(f"clerestory.cli.{name}"), name)
     text, _, example = cleandoc(command.__doc__).partition("\n\nExample: ")
-    app.command(name, help=text, epilog=f"\b\nExample: {example}")(command)
+    app.command(name.replace("_", "-"), help=text, epilog=f"\b\nExample: {example}")(command)
 
 
 for _name in _COMMANDS:

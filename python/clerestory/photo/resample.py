@@ -72,7 +72,7 @@ def resample(
     width, height = (size, size) if isinstance(size, int) else size
     if not (1 <= width <= 16384 and 1 <= height <= 16384):
         raise ClerestoryError(f"a picture of {width} × {height} pixels is not possible (give 1 to 16384)")
-    parts = _parts(source, view, width, height)
+    parts = _parts(source, layers.shape[:2], view, width, height)
     made = np.zeros((height, width, layers.shape[2]), dtype=np.float32)
     frame = view.frame
     offsets = (np.arange(parts) + 0.5) / parts
@@ -113,14 +113,16 @@ def _densities(view: View, directions: NDArray[np.float64]) -> NDArray[np.float6
     )
 
 
-def _parts(source: Source, view: View, width: int, height: int) -> int:
-    """Into how many parts a new pixel is divided so that none is wider than an old pixel, on average over the view."""
+def _parts(source: Source, shape: tuple[int, ...], view: View, width: int, height: int) -> int:
+    """Into how many parts a new pixel is divided so that none is wider than an old pixel almost everywhere."""
     x = (np.arange(24) + 0.5) / 24.0
     points = np.stack(np.meshgrid(x, x), axis=-1)
     shifts = np.array([[0.0, 0.0], [0.5 / width, 0.0], [0.0, 0.5 / height]])
     at = source.locate(view.rays(points[:, :, None] + shifts)[1] @ view.frame.T)
     distance = 2.0 * np.hypot(*np.moveaxis(at[:, :, 1:] - at[:, :, :1], -1, 0))
-    distance = distance[np.isfinite(distance)]
+    with np.errstate(invalid="ignore"):
+        inside = np.all((at[:, :, :1] >= 0.0) & (at[:, :, :1] <= shape[::-1]), axis=-1)
+    distance = distance[inside & np.isfinite(distance)]
     if distance.size == 0:
         raise ClerestoryError("the picture shows nothing of the view (correct the lens or the view)")
     return int(np.clip(np.ceil(np.quantile(distance, 0.95)), 2, MOST_PARTS))
