@@ -1,6 +1,7 @@
 """A known scene through a known camera comes back: response, luminance, illuminance, directions."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -40,9 +41,10 @@ def series(folder):
     return read_series([*paths[1::2], *paths[::-2]])  # in no order
 
 
+@cache
 def exact_illuminance() -> float:
     """Of the scene on the plane of the lens, by a fine map."""
-    d = np.nan_to_num(ANGULAR.pixel_directions(1600, 1600) @ ANGULAR.frame.T)
+    d = np.nan_to_num(ANGULAR.pixel_directions(900, 900) @ ANGULAR.frame.T)
     luminance = np.where(d[..., 2] > 0.0, scene(d) @ SRGB, 0.0)
     return illuminance(luminance, ANGULAR)
 
@@ -203,7 +205,7 @@ def test_vignetting_is_found_from_points():
 def test_overflow_is_filled_up_to_the_measured_illuminance(tmp_path):
     maker = replace(MAKER, source=60000.0)
     maker.jpegs(tmp_path)
-    d = np.nan_to_num(ANGULAR.pixel_directions(1600, 1600) @ ANGULAR.frame.T)
+    d = np.nan_to_num(ANGULAR.pixel_directions(900, 900) @ ANGULAR.frame.T)
     truth = illuminance(np.where(d[..., 2] > 0.0, scene(d, 60000.0) @ SRGB, 0.0), ANGULAR)
     tables = {
         "pictures": ["*.JPG"],

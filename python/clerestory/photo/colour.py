@@ -18,7 +18,7 @@ PRIMARIES: dict[str, tuple[float, ...]] = {
     "adobe-rgb": (0.64, 0.33, 0.21, 0.71, 0.15, 0.06, 0.3127, 0.3290),
 }
 """Chromaticities x and y of red, green, blue and white: IEC 61966-2-1, and Adobe RGB (1998)."""
-RADIANCE = (0.640, 0.330, 0.290, 0.600, 0.150, 0.060, 1.0 / 3.0, 1.0 / 3.0)
+RADIANCE = (0.640, 0.330, 0.290, 0.600, 0.150, 0.060, 0.3333, 0.3333)
 """Those of Radiance's pictures."""
 EFFICACY = 179.0
 """Luminance over radiance in Radiance's pictures [lm/W]."""

@@ -28,7 +28,7 @@ DARK = 1e-3
 """Share of the mean luminance below which a pixel is too dark for a ratio."""
 _MARKS = ("o", "s", "^", "D", "v", "P", "X")
 _NAMES = {"illuminance": "E_v [lx]", "dgp": "DGP", "dgi": "DGI"}
-_SIZE = 3.1
+_SIZE = 3.3
 _UNKNOWN = "#d0d0d0"
 
 
@@ -117,7 +117,7 @@ def _panel(ax: Axes, panel: Sequence[Agreement]) -> None:
         name, line = "luminance [cd/m²]", "means of regions"
         ax.legend(loc="upper left", handletextpad=0.1, borderaxespad=0.2)
     symbol = name.replace("E_v", "$E_\\mathrm{v}$")
-    ax.set_title(line)
+    ax.set_title(line, fontsize=8.5)
     ax.set_xlabel(f"{symbol}, photograph")
     ax.set_ylabel(f"{symbol}, rendering")
 

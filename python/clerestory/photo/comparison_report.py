@@ -151,7 +151,7 @@ def _row(a: Agreement) -> list[str]:
         _number(a.correlation),
         _number(a.determination),
         _number(a.slope),
-        _number(a.intercept, "{:.3g}"),
+        "–" if a.intercept is None else figures(a.intercept).replace("-", "−"),
         figures(a.mean),
         _signed(a.bias),
         figures(a.rmse),

@@ -258,14 +258,15 @@ def files_of(patterns: list[str], base: Path) -> list[Path]:
 
 
 def _view(output: OutputKeys) -> View:
-    view = View("-vta -vh 180 -vv 180").updated(output.view)
+    # Of 60° first, which every projection can have, so that it is the projection that is complained of.
+    view = View("-vta -vh 60 -vv 60").updated(output.view)
     if view.projection not in "ah":
         raise ClerestoryError(
             f"output.view: a {view.projection_name} view is not made (give -vta for angular or -vth for hemispherical)"
         )
-    if view.size_deg != (180.0, 180.0):
+    if not {*view.size_deg} <= {60.0, 180.0}:
         raise ClerestoryError("output.view: the view is of 180° by 180°, as glare needs it (leave out -vh and -vv)")
-    return view
+    return view.updated("-vh 180 -vv 180")
 
 
 def _vignetting(keys: VignettingKeys, base: Path) -> Vignetting:

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 # Numbers of tags (CIPA DC-008, Exif 3.0).
 MODEL, EXPOSURE_TIME, F_NUMBER, SPEED = 272, 33434, 33437, 34855
 FOCAL_LENGTH, WHITE_BALANCE, LENS = 37386, 41987, 42036
+USED = (EXPOSURE_TIME, F_NUMBER, SPEED, FOCAL_LENGTH, WHITE_BALANCE, LENS)
+"""Those of EXIF's own part of a file."""
 COLUMNS = ("file", "time_s", "f_number", "iso")
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from clerestory._core import FileFormatError, UnsupportedError
 from clerestory.files import named
-from clerestory.photo.exposure import Camera, Exposure, Given, camera_of, exposure_of
+from clerestory.photo.exposure import USED, Camera, Exposure, Given, camera_of, exposure_of
 
 if TYPE_CHECKING:
     import os
@@ -148,8 +148,8 @@ def _tiff_head(path: Path) -> tuple[dict[int, Any], tuple[int, int], int]:
         tags: dict[int, Any] = {tag.code: tag.value for tag in page.tags}
         inner = tags.get(EXIF)
         if isinstance(inner, dict):
-            codes = {name: code for code, name in tifffile.TIFF.EXIF_TAGS.items()}
-            tags |= {codes[name]: value for name, value in inner.items() if name in codes}
+            names = {code: tifffile.TIFF.EXIF_TAGS[code] for code in USED}
+            tags |= {code: inner[name] for code, name in names.items() if name in inner}
         if page.samplesperpixel not in (3, 4) or len(page.shape) != 3 or page.shape[-1] not in (3, 4):
             raise FileFormatError(f"the picture is not of red, green and blue but {page.shape} (save it as RGB)")
         if page.dtype not in (np.dtype(np.uint8), np.dtype(np.uint16)):
@@ -162,11 +162,11 @@ def _tiff_pixels(path: Path) -> Levels:
     with file:
         try:
             pixels: Levels = page.asarray()[..., :3]
-        except KeyError:
-            raise UnsupportedError(
-                f"the compression {page.compression.name} of TIFF is not read (save it uncompressed or deflated)"
-            ) from None
         except Exception as error:
+            if "imagecodecs" in str(error):
+                raise UnsupportedError(
+                    f"the compression {page.compression.name} of TIFF is not read (save it uncompressed or deflated)"
+                ) from None
             raise FileFormatError(f"the picture is damaged: {error} (make it again)") from error
     return pixels
 

@@ -128,6 +128,7 @@ def read_points(path: str | os.PathLike[str], columns: tuple[str, str] = ("theta
     path = Path(path)
     rows: list[tuple[float, float]] = []
     reader = csv.reader(io.StringIO(text_of(path)))
+    head = False
     for row in reader:
         cells = [cell.strip() for cell in row if cell.strip()]
         if not cells or cells[0].startswith("#"):
@@ -135,7 +136,8 @@ def read_points(path: str | os.PathLike[str], columns: tuple[str, str] = ("theta
         try:
             first, second = (float(cell) for cell in cells)
         except ValueError:
-            if not rows and reader.line_num == 1:
+            if not rows and not head:
+                head = True
                 continue
             raise FileFormatError(
                 f"{path}: line {reader.line_num} is not two numbers (give {','.join(columns)})"
