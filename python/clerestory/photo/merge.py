@@ -79,14 +79,14 @@ def merge(series: Series, response: Response, progress: Callable[[float], object
             table = _Table.of(lights[c], response, photograph.exposure.value, darkest, brightest)
             for start in range(0, shape[0], _ROWS):
                 rows = slice(start, start + _ROWS)
-                z = levels[rows, :, c]
-                total[rows, :, c] += table.weighted[z]
-                weights[rows, :, c] += table.weight[z]
+                z = levels[rows, :, c].astype(np.intp)
+                total[rows, :, c] += _at(table.weighted, z)
+                weights[rows, :, c] += _at(table.weight, z)
                 held = fallback[rows, :, c]
-                fallback[rows, :, c] = np.where((z <= brightest) | (number == 0), table.limited[z], held)
+                np.copyto(held, _at(table.limited, z), where=(z <= brightest) | (number == 0))
                 if c == 1:
-                    sums[rows] += table.logarithm[z]
-                    squares[rows] += table.square[z]
+                    sums[rows] += _at(table.logarithm, z)
+                    squares[rows] += _at(table.square, z)
         if number == 0:
             too_bright = np.asarray(levels > brightest)
         if number == count - 1:
@@ -109,6 +109,11 @@ def merge(series: Series, response: Response, progress: Callable[[float], object
         most=float(NOMINAL * ends[:, brightest].min() / series.values[0]),
         least=float(NOMINAL * ends[1, darkest] / series.values[-1]),
     )
+
+
+def _at(values: NDArray[np.float32], levels: NDArray[np.intp]) -> NDArray[np.float32]:
+    """Values of a table by level; "clip", which never happens, spares the check of each index."""
+    return np.take(values, levels, mode="clip")
 
 
 def _limits(response: Response, bits: int) -> tuple[int, int]:

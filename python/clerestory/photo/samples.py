@@ -25,6 +25,8 @@ EVEN = 3.0
 CELLS = 6
 """The picture is divided into so many parts across and down, and into `STEPS` of brightness; spots come from all."""
 STEPS = 24
+MOST_BLOCKS = 60_000
+"""Of a larger picture only so many are looked at, on a grid."""
 A_PART = 2
 """Spots from each part of the picture and step of brightness."""
 
@@ -63,10 +65,12 @@ def sample(series: Series, progress: Callable[[float], object] | None = None) ->
 
 def _blocks(levels: Levels, bits: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Means and standard deviations (rows, columns, 3) of blocks, in levels of 255."""
-    height, width = (n // BLOCK * BLOCK for n in levels.shape[:2])
-    if not height or not width:
+    rows, columns = (n // BLOCK for n in levels.shape[:2])
+    if not rows or not columns:
         raise ClerestoryError(f"the pictures are smaller than {BLOCK} pixels (give photographs)")
-    parts = levels[:height, :width].reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK, 3)
+    every = max(1, int(np.ceil(np.sqrt(rows * columns / MOST_BLOCKS))))
+    whole = levels[: rows * BLOCK, : columns * BLOCK].reshape(rows, BLOCK, columns, BLOCK, 3)
+    parts: Levels = np.ascontiguousarray(whole[::every, :, ::every])
     scale = 255.0 / (2**bits - 1)
     # Exact integers: their sums of squares are below 2^44.
     total = parts.sum(axis=(1, 3), dtype=np.uint64).astype(np.float64)
