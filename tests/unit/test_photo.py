@@ -506,6 +506,20 @@ def test_a_lens_that_does_not_see_the_hemisphere(small):
     assert any("% of the hemisphere" in text for text in made.warnings)
 
 
+def test_times_that_exif_rounds_are_noticed(tmp_path):
+    maker = Maker(Lens("equisolid", (180.0, 120.0), 112.0), shape=(240, 360))
+    written = [Fraction(1, n) for n in (15, 30, 60, 125, 250, 500)]
+    for folder, kept in (("rounded", [Fraction(1, 2**k) for k in range(4, 10)]), ("exact", written)):
+        (tmp_path / folder).mkdir()
+        rows = [f"{p.name},{t}" for p, t in zip(maker.jpegs(tmp_path / folder, kept), written, strict=True)]
+        (tmp_path / folder / "t.csv").write_text("\n".join(["file,time_s", *rows]), encoding="utf-8")
+        tables = {"pictures": ["*.JPG"], "exposures": "t.csv", "output": {"size_px": 64}}
+        for times in ("written", "thirds"):
+            made = develop(Session.of(tables | {"times": times}), tmp_path / folder)
+            told = any("--times thirds" in text for text in made.warnings)
+            assert told is (folder == "rounded" and times == "written")
+
+
 def test_light_that_changes_is_seen(small, tmp_path):
     for path in small.glob("*.JPG"):
         (tmp_path / path.name).write_bytes(path.read_bytes())

@@ -65,8 +65,9 @@ def coverage(lens: Lens, view: View, size: int, shape: tuple[int, int]) -> float
     return float(weights[seen].sum() / weights.sum())
 
 
-def overflow(luminance: NDArray[np.float64], brim: NDArray[np.float32], view: View) -> Overflow:
+def overflow(luminance: ArrayLike, brim: NDArray[np.float32], view: View) -> Overflow:
     """What the pixels of which a share (height, width) is too bright hold, by their luminances [cd/m²]."""
+    values = np.asarray(luminance, dtype=np.float64)
     height, width = brim.shape
     omega = view.solid_angles(width, height) * brim
     total = float(omega.sum())
@@ -77,14 +78,14 @@ def overflow(luminance: NDArray[np.float64], brim: NDArray[np.float32], view: Vi
         solid_angle=total,
         azimuth_deg=float(np.degrees(np.arctan2(x, z))),
         elevation_deg=float(np.degrees(np.arctan2(y, np.hypot(x, z)))),
-        illuminance=float((luminance * brim * projected(view, width, height)).sum()),
+        illuminance=float((values * brim * projected(view, width, height)).sum()),
     )
 
 
 def fill(
     seen: NDArray[np.float32],
     brim: NDArray[np.float32],
-    shares: NDArray[np.float64],
+    shares: ArrayLike,
     view: View,
     measured: float,
 ) -> tuple[NDArray[np.float32], str]:
@@ -107,7 +108,7 @@ def fill(
     -------
     The picture, with white light of one luminance added to these pixels, and what was done in words.
     """
-    lacking = measured - illuminance(seen @ shares, view)
+    lacking = measured - illuminance(seen @ np.asarray(shares), view)
     height, width = brim.shape
     room = float((brim * projected(view, width, height)).sum())
     if room <= 0.0:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
@@ -84,10 +84,6 @@ class Lens:
         name = self.projection or f"table of {len(self.table)} angles"
         return f"{name}, radius {self.radius:.1f} pixels at {self.edge_deg:g}° about {x:.1f}, {y:.1f}"
 
-    def moved(self, centre: tuple[float, float]) -> Lens:
-        """The same lens about another pixel."""
-        return replace(self, centre=centre)
-
     def radius_at(self, theta: ArrayLike) -> NDArray[np.float64]:
         """Radius [pixels] of angles θ from the axis [rad]; NaN where the lens sees nothing."""
         t = np.asarray(theta, dtype=np.float64)
@@ -147,7 +143,3 @@ class Lens:
         for row in range(height):
             made[row] = np.interp(np.hypot(x, y[row]), radii[:last], thetas[:last], right=np.nan)
         return made
-
-    def reaches(self, theta_deg: float) -> bool:
-        """Whether the lens's law goes as far as an angle from its axis [°]."""
-        return theta_deg <= self._most_deg

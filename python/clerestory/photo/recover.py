@@ -11,18 +11,20 @@ from clerestory._core import ClerestoryError
 from clerestory.photo import debevec, mitsunaga
 from clerestory.photo.debevec import hat
 from clerestory.photo.response import LEVELS, Response, normalised
-from clerestory.photo.samples import sample
+from clerestory.photo.samples import Samples, sample
+from clerestory.photo.series import third_of_a_stop
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
-    from clerestory.photo.samples import Samples
     from clerestory.photo.series import Series
 
 LEAST = 24
 """With fewer spots no response is recovered."""
+CLEARLY = 0.8
+"""A misfit that is smaller by this factor decides between two readings of the exposure times."""
 _METHODS = {"debevec": debevec.logarithms, "mitsunaga": mitsunaga.logarithms}
 
 
@@ -88,6 +90,14 @@ def fit(spots: Samples, method: Literal["debevec", "mitsunaga"]) -> Response:
     g = np.stack([_METHODS[method](spots.levels[:, :, c], spots.exposures) for c in range(3)])
     curves = normalised(g)
     return Response(curves, method, _residual(spots, curves))
+
+
+def rounded_times(series: Series, spots: Samples) -> tuple[float, float] | None:
+    """Misfits with the times as they are written and as thirds of a stop, if the pictures speak for the latter."""
+    thirds = [p.exposure.value * third_of_a_stop(p.exposure.time) / p.exposure.time for p in series.photographs]
+    found = [fit(Samples(spots.levels, np.array(values)), "debevec").residual for values in (series.values, thirds)]
+    written, rounded = (float(v or 0.0) for v in found)
+    return (written, rounded) if rounded < CLEARLY * written else None
 
 
 def steps(series: Series, spots: Samples, response: Response) -> tuple[Step, ...]:

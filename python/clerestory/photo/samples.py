@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -70,7 +70,7 @@ def _blocks(levels: Levels, bits: int) -> tuple[NDArray[np.float32], NDArray[np.
         raise ClerestoryError(f"the pictures are smaller than {BLOCK} pixels (give photographs)")
     every = max(1, int(np.ceil(np.sqrt(rows * columns / MOST_BLOCKS))))
     whole = levels[: rows * BLOCK, : columns * BLOCK].reshape(rows, BLOCK, columns, BLOCK, 3)
-    parts: Levels = np.ascontiguousarray(whole[::every, :, ::every])
+    parts = cast("Levels", np.ascontiguousarray(whole[::every, :, ::every]))
     scale = 255.0 / (2**bits - 1)
     # Exact integers: their sums of squares are below 2^44.
     total = parts.sum(axis=(1, 3), dtype=np.uint64).astype(np.float64)
