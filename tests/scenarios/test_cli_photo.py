@@ -108,6 +108,9 @@ def test_a_session_says_the_same(folder, capsys, tmp_path):
     for key in ("factor", "illuminance", "lens", "vignetting", "steps", "difference_percent"):
         assert options[key] == session[key]
     assert (tmp_path / "a.exr").read_bytes() == (tmp_path / "b.exr").read_bytes()
+    # So does the folder, whatever else is in it.
+    code, text, _ = run(capsys, "photo", folder, "--size", 64, "--json")
+    assert len(json.loads(text)["photographs"]) == len(TIMES)
     # An option wins over the file.
     code, text, _ = run(capsys, "photo", folder / "session.toml", "--size", 64, "--view", "-vth", "--json")
     assert json.loads(text)["size"] == [64, 64]
@@ -150,7 +153,11 @@ def test_an_illuminance_that_is_far_off_is_said(folder, capsys):
         (["IMG_4000.JPG", "IMG_4001.JPG", "--centre", "3"], 2, "2 numbers"),
         (["IMG_4000.JPG", "IMG_4001.JPG", "--vignetting", "no.csv"], 1, "no.csv: no such file"),
         (["IMG_4000.JPG", "IMG_4001.JPG", "--response", "session.toml"], 1, "session.toml: not a response"),
-        (["IMG_4000.JPG", "IMG_4001.JPG", "--calibrate-by-illuminance"], 1, "the calibration needs it"),
+        (["IMG_4000.JPG", "IMG_4001.JPG", "--calibrate-by-illuminance"], 2, "--illuminance: the calibration"),
+        (["IMG_4000.JPG", "IMG_4001.JPG", "--factor", "1", "--spot", "3,4=5"], 2, "exclude each other"),
+        (["IMG_4000.JPG", "IMG_4001.JPG", "--vignetting", "1,2,3,4"], 2, "more than three coefficients"),
+        (["IMG_4000.JPG", "IMG_4001.JPG", "--size", "5"], 2, "--size: 5 does not fit"),
+        (["empty"], 1, "the folder holds no photographs"),
         (["session.toml", "IMG_4000.JPG"], 2, "a session names its pictures itself"),
         (["wrong.toml"], 1, "wrong.toml: lens.projektion: there is no such key (did you mean projection?)"),
         (["broken.toml"], 1, "broken.toml: not TOML"),
@@ -162,6 +169,7 @@ def test_what_goes_wrong_is_one_line(words, code, text, folder, capsys, monkeypa
     monkeypatch.chdir(folder)
     (folder / "wrong.toml").write_text('pictures = ["IMG_*.JPG"]\n[lens]\nprojektion = "equisolid"\n')
     (folder / "broken.toml").write_text("pictures = [\n")
+    (folder / "empty").mkdir(exist_ok=True)
     before = {p.name for p in folder.iterdir()}
     found, out, err = run(capsys, "photo", *words)
     assert (found, out) == (code, "")

@@ -1,8 +1,11 @@
 """What is read of photographs, and what is said where something does not fit."""
 
 import json
+import re
+import tomllib
 from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,6 +32,7 @@ from clerestory.photo import (
 from clerestory.photo.colour import PRIMARIES, luminance_shares, to_radiance
 from clerestory.photo.figure import response_curves
 from clerestory.photo.series import third_of_a_stop
+from clerestory.photo.session import CalibrationKeys, CameraKeys, CheckKeys, LensKeys, OutputKeys, VignettingKeys
 from clerestory.photo.spot import read_spot
 from clerestory.photo.vignetting import read_points
 from clerestory.picture import Picture
@@ -530,3 +534,15 @@ def test_light_that_changes_is_seen(small, tmp_path):
     tables = {"pictures": ["*.JPG"], "exposures": "times.csv", "camera": {"response": "r.json"}}
     made = develop(Session.of(tables | {"output": {"size_px": 64}}), tmp_path)
     assert sum("the light grew" in text for text in made.warnings) == 2
+
+
+def test_the_guide_has_every_key_and_its_session_can_be_followed():
+    text = (Path(__file__).parents[2] / "docs" / "photographs.md").read_text(encoding="utf-8")
+    (session,) = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
+    assert Session.of(tomllib.loads(session)).check.illuminance == 1800.0
+    inner = {"camera": CameraKeys, "lens": LensKeys, "vignetting": VignettingKeys, "calibration": CalibrationKeys}
+    inner |= {"check": CheckKeys, "output": OutputKeys}
+    for name in Session.model_fields:
+        keys = [f"{name}.{key}" for key in inner[name].model_fields] if name in inner else [name]
+        for key in keys:
+            assert f"`{key}`" in text, key

@@ -17,19 +17,34 @@ from clerestory.cli.common import (
     print_json,
     progress,
     refuse_overwriting,
-    say,
-    table,
     warn,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
-    from clerestory.photo import Developed
+    from clerestory.photo import Developed, Session
 
 _MAPS = (".hdr", ".pic", ".xyze", ".exr")
 _DRAWN = (".png", ".pdf", ".svg")
 _PROJECTIONS = ("equisolid", "equidistant", "orthographic", "stereographic", "perspective", "none")
+
+_OPTIONS = {
+    "f_number": "--f-number",
+    "iso": "--iso",
+    "camera.response": "--response",
+    "lens.radius_px": "--radius",
+    "lens.centre_px": "--centre",
+    "lens.field_deg": "--field",
+    "vignetting": "--vignetting",
+    "calibration.factor": "--factor",
+    "calibration.spots": "--spot, --factor, --calibrate-by-illuminance",
+    "check.illuminance": "--illuminance",
+    "check.limit_percent": "--limit",
+    "check.fill_overflow": "--fill-overflow",
+    "output.size_px": "--size",
+}
+"""What keys of a session are called on the command line."""
 
 
 def photo(
@@ -37,7 +52,7 @@ def photo(
         list[Path],
         typer.Argument(
             metavar="IMAGE…|SESSION.toml",
-            help="Photographs of one series (JPEG, PNG, TIFF of 8 or 16 bits), or a file that describes one.",
+            help="Photographs of one series (JPEG, PNG, TIFF of 8 or 16 bits), their folder, or a session file.",
             show_default=False,
         ),
     ],
@@ -134,8 +149,8 @@ def photo(
 
     Example: clerestory photo IMG_*.JPG --spot 2790,1860,2830,1900=512 --illuminance 2150 -o office.hdr
     """
+    from clerestory.cli.photo_result import for_machines, for_people
     from clerestory.photo.develop import develop
-    from clerestory.photo.session import Session
     from clerestory.trace.recipe import read_toml
 
     _check_inputs(pictures)
@@ -182,7 +197,7 @@ def photo(
                 *(_spot(text, "--spot", "pixels", (2, 3, 4)) for text in spot or ()),
                 *(_spot(text, "--spot-direction", "direction_deg", (2, 3)) for text in spot_direction or ()),
             ]
-        session = Session.of(tables)
+        session = _session(tables, described=described)
     with progress("developing") as tell:
         made = develop(session, folder, tell)
     inputs = [p.path for p in made.series.photographs]
@@ -193,9 +208,23 @@ def photo(
             refuse_overwriting(path, inputs)
     _write(made, output, save_response, plot_response)
     if as_json:
-        print_json(_plain(made, output))
+        print_json(for_machines(made, output))
     else:
-        _say(made)
+        for_people(made)
+
+
+def _session(tables: dict[str, Any], *, described: bool) -> Session:
+    """The session; what is wrong with it is called by its option where there is no file."""
+    from clerestory.photo.session import Session
+    from clerestory.trace.keys import RecipeError
+
+    try:
+        return Session.of(tables)
+    except RecipeError as error:
+        key, _, text = str(error).partition(": ")
+        if described or key not in _OPTIONS:
+            raise
+        raise UsageError(f"{_OPTIONS[key]}: {text}") from None
 
 
 def _check_inputs(pictures: Sequence[Path]) -> None:
@@ -252,9 +281,12 @@ def _projection(text: str | None) -> dict[str, Any]:
 
 def _vignetting(text: str, folder: Path) -> dict[str, Any]:
     try:
-        return {"coefficients": [float(part) for part in text.split(",")]}
+        values = [float(part) for part in text.split(",")]
     except ValueError:
         return {"points": _from(Path(text), folder)}
+    if len(values) > 3:
+        raise UsageError(f"--vignetting {text}: more than three coefficients (give those of θ², θ⁴ and θ⁶)")
+    return {"coefficients": values}
 
 
 def _spot(text: str, option: str, key: str, counts: tuple[int, ...]) -> dict[str, Any]:
@@ -288,116 +320,3 @@ def _write(made: Developed, output: Path | None, response: Path | None, plot: Pa
 
         save(response_curves({"": made.response}), plot)
         note(f"wrote {plot}")
-
-
-def _plain(made: Developed, output: Path | None) -> dict[str, object]:
-    lens, vignetting, burnt = made.lens, made.vignetting, made.overflow
-    return {
-        "output": output,
-        "size": list(made.picture.shape[::-1]),
-        "view": None if made.picture.view is None else made.picture.view.options,
-        "photographs": [
-            {
-                "file": p.path,
-                "time_s": p.exposure.time,
-                "f_number": p.exposure.f_number,
-                "iso": p.exposure.iso,
-                "camera": p.camera.model,
-                "lens": p.camera.lens,
-            }
-            for p in made.series.photographs
-        ],
-        "steps": [
-            {"shorter": s.shorter, "longer": s.longer, "given": s.given, "found": s.found, "spots": s.spots}
-            for s in made.steps
-        ],
-        "response": {"method": made.response.method, "residual": made.response.residual},
-        "lens": None
-        if lens is None
-        else {
-            "projection": lens.projection or "table",
-            "centre_px": list(lens.centre),
-            "radius_px": lens.radius,
-            "field_deg": 2.0 * lens.edge_deg,
-            "found": None
-            if made.circle is None
-            else {"border_share": made.circle.share, "residual_px": made.circle.residual},
-        },
-        "vignetting": None
-        if vignetting is None
-        else {
-            "coefficients": list(vignetting.coefficients),
-            "table": [list(pair) for pair in vignetting.table],
-            "residual": vignetting.residual,
-            "reach_deg": vignetting.reach_deg,
-        },
-        "calibration": made.calibration,
-        "factor": made.factor,
-        "spots": [
-            {
-                "place": r.spot.words,
-                "measured": r.spot.luminance,
-                "picture": made.factor * r.mean,
-                "pixels": r.pixels,
-                "relative_spread": r.spread,
-                "factor": r.factor,
-            }
-            for r in made.spots
-        ],
-        "illuminance": made.illuminance,
-        "measured_illuminance": made.measured,
-        "difference_percent": made.difference_percent,
-        "acceptable": made.acceptable,
-        "least_luminance": made.least,
-        "greatest_luminance": made.most,
-        "saturated_pixels": made.saturated_pixels,
-        "overflow": None if burnt is None or burnt.solid_angle <= 0.0 else burnt,
-        "dark_share": made.dark_share,
-        "ghost_share": made.ghost_share,
-        "assumptions": list(made.assumptions),
-        "warnings": list(made.warnings),
-    }
-
-
-def _say(made: Developed) -> None:
-    from clerestory.plot.style import figures
-
-    series = made.series.photographs
-    rows = [
-        [p.path.name, p.exposure.words, *(("", "") if s is None else (f"{s.given:.3g} ×", f"{s.found:.3g} ×"))]
-        for p, s in zip(series, (None, *made.steps), strict=True)
-    ]
-    say(table(["photograph", "exposure", "step", "in light"], rows, left=2))
-    line: Callable[[str, str], None] = lambda name, text: say(f"  {name:<12}{text}")  # noqa: E731 (one look)
-    misfit = "" if made.response.residual is None else f", misfit {100.0 * made.response.residual:.1f} %"
-    line("response", f"{made.response.method}{misfit}")
-    if made.lens is not None:
-        line("lens", made.lens.words)
-    if made.circle is not None:
-        line("circle", made.circle.words)
-    if made.vignetting is not None:
-        v = made.vignetting
-        fit = "" if v.residual is None else f", fitted within {100.0 * v.residual:.2g} % (RMS) up to {v.reach_deg:g}°"
-        line("vignetting", f"{v.words}{fit}")
-    for reading in made.spots:
-        line(
-            "spot",
-            f"{reading.spot.words}: {figures(reading.spot.luminance, 4)} cd/m² by the meter, "
-            f"{figures(made.factor * reading.mean, 4)} cd/m² in the picture ({reading.pixels} pixels, "
-            f"± {100.0 * reading.spread:.1f} %)",
-        )
-    line("factor", f"{made.factor:.4g} ({'not calibrated' if made.calibration == 'none' else made.calibration})")
-    line("range", f"{figures(made.least)} to {figures(made.most)} cd/m² on the axis")
-    if made.illuminance is not None:
-        text = f"{made.illuminance:.0f} lx"
-        if made.difference_percent is not None and made.measured is not None:
-            verdict = "accepted" if made.acceptable else "NOT ACCEPTABLE"
-            text += f"; measured {made.measured:.0f} lx, {made.difference_percent:+.1f} %: {verdict}"
-        line("E_v", text)
-    line(
-        "pixels",
-        f"{made.saturated_pixels} too bright, {100.0 * made.dark_share:.2g} % too dark, "
-        f"{100.0 * made.ghost_share:.2g} % contradicting",
-    )
-    for text in made.assumptions:
-        line("assumed", text)

@@ -101,8 +101,8 @@ def of_merged(merged: Merged, within: NDArray[np.bool_]) -> list[str]:
     ghosts = float(merged.ghosts[within].mean())
     if ghosts > MANY_GHOSTS:
         found.append(
-            f"exposures contradict each other at {100.0 * ghosts:.1f} % of the pixels: something moved, or the camera "
-            "did (repeat the series)"
+            f"exposures contradict each other at {100.0 * ghosts:.1f} % of the pixels: something moved, the camera "
+            "did, or the response is not the camera's (repeat the series, or recover the response)"
         )
     dark = float(merged.dark[within].mean())
     if dark > 0.0:

@@ -9,6 +9,7 @@ from clerestory._core import ClerestoryError
 from clerestory.files import named
 from clerestory.photo.circle import Circle, find_circle
 from clerestory.photo.lens import Lens
+from clerestory.photo.photograph import SUFFIXES
 from clerestory.photo.response import Response
 from clerestory.photo.vignetting import Vignetting, read_points
 from clerestory.picture.view import View
@@ -19,16 +20,22 @@ if TYPE_CHECKING:
 
 
 def files_of(patterns: list[str], base: Path) -> list[Path]:
-    """The files that names and patterns stand for, each once.
+    """The files that names, folders and patterns stand for, each once.
 
     Raises
     ------
     ClerestoryError
-        A pattern stands for none.
+        A pattern or a folder stands for none.
     """
     found: list[Path] = []
     for pattern in patterns:
         path = base / pattern
+        if path.is_dir():
+            matches = sorted(p for p in path.iterdir() if p.suffix.lower() in SUFFIXES)
+            if not matches:
+                raise ClerestoryError(f"{path}: the folder holds no photographs (give {', '.join(SUFFIXES)})")
+            found += matches
+            continue
         # A name with brackets is a name, if there is such a file.
         plain = path.exists() or not any(mark in pattern for mark in "*?[")
         root = Path(path.anchor)

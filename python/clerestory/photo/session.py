@@ -143,7 +143,7 @@ class Session(Keys):
     """One series and what is to be made of it."""
 
     pictures: Annotated[list[str], Field(min_length=1)]
-    """Files, relative to the session's; * and ? stand for any characters."""
+    """Files or a folder of them, relative to the session; * and ? stand for any characters."""
     exposures: str | None = None
     """Table with the columns file, time_s, f_number, iso."""
     f_number: Positive | None = None
