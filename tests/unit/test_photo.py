@@ -127,7 +127,7 @@ def test_exposure_times_as_thirds_of_a_stop(tmp_path):
         ("a.tif", lambda p: p.write_bytes(b"no picture"), "not a TIFF"),
         ("a.png", lambda p: Image.new("L", (9, 9)).save(p), "mode L"),
         ("a.jpg", lambda p: Image.new("RGB", (9, 9)).save(p), "no exposure time and no f-number and no ISO speed"),
-        ("a.png", lambda p: Image.fromarray(np.zeros((9, 9), np.uint16)).save(p), "16"),
+        ("a.png", lambda p: Image.fromarray(np.zeros((9, 9), np.uint16)).save(p), "PNG of 16 bits"),
         ("a.tif", lambda p: tifffile.imwrite(p, np.zeros((9, 9), np.uint8)), "not of red, green and blue"),
         ("a.tif", lambda p: tifffile.imwrite(p, np.zeros((9, 9, 3), np.float32), photometric="rgb"), "float32"),
     ],

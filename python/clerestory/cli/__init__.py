@@ -32,7 +32,7 @@ _COMMANDS = (
     "render",
     "glare",
     "photo",
-    "photo_compare",
+    "photo-compare",
     "compare",
 )
 
@@ -69,9 +69,10 @@ def clerestory(
 
 def _add(name: str) -> None:
     """Add a command; the example at the end of its docstring is kept on a line of its own."""
-    command = getattr(import_module(f"clerestory.cli.{name}"), name)
+    home = name.replace("-", "_")
+    command = getattr(import_module(f"clerestory.cli.{home}"), home)
     text, _, example = cleandoc(command.__doc__).partition("\n\nExample: ")
-    app.command(name.replace("_", "-"), help=text, epilog=f"\b\nExample: {example}")(command)
+    app.command(name, help=text, epilog=f"\b\nExample: {example}")(command)
 
 
 for _name in _COMMANDS:

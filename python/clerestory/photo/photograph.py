@@ -122,7 +122,9 @@ def _pillow_head(path: Path) -> tuple[dict[int, Any], tuple[int, int], int]:
             mode, (width, height) = image.mode, image.size
     except UnidentifiedImageError:
         raise FileFormatError("not a picture, or a damaged one (give JPEG, PNG or TIFF)") from None
-    if path.suffix.lower() == ".png" and path.read_bytes()[24] > 8:
+    with path.open("rb") as file:
+        head = file.read(25)
+    if head[:4] == b"\x89PNG" and head[24] > 8:  # the depth, of which Pillow keeps 8 bits
         raise UnsupportedError("a PNG of 16 bits would be cut to 8 (save it as a 16-bit TIFF)")
     if mode not in ("RGB", "RGBA"):
         raise FileFormatError(f"the picture is not of red, green and blue but of mode {mode} (save it as sRGB)")
