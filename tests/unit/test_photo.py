@@ -325,6 +325,19 @@ def test_the_circle_is_found(x, y, radius):
     assert circle.share > (0.95 if radius < 230 else 0.25)
 
 
+@pytest.mark.parametrize("scene", ["lower half dark", "a third lit"])
+def test_the_circle_is_found_by_a_part_of_its_border_within_stray_light(scene):
+    maker = Maker(Lens("equisolid", (361.3, 238.6), 225.0))
+    y, x = np.mgrid[0:480, 0:720]
+    lit = y <= 260 if scene == "lower half dark" else np.abs(np.arctan2(y - 238, x - 361)) < 1.0
+    haze = 1.5 * np.exp(-np.maximum(np.hypot(x - 361.3, y - 238.6) - 225.0, 0.0) / 40.0)
+    light = maker.light() * lit[..., None] + haze[..., None]
+    levels = 255.0 * np.clip(light / 130.0, 0.0, 1.0) ** 0.45 + np.random.default_rng(2).normal(0.0, 2.0, light.shape)
+    circle = find_circle(np.clip(levels, 0, 255).astype(np.uint8))
+    assert circle.radius == pytest.approx(225.0, abs=1.0)
+    assert np.abs(np.array(circle.centre) - (361.3, 238.6)).max() < 1.0
+
+
 @pytest.mark.parametrize("scene", ["black", "full", "square"])
 def test_where_no_circle_is(scene):
     levels = np.zeros((200, 300, 3), dtype=np.uint8)

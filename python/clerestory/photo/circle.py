@@ -17,9 +17,14 @@ if TYPE_CHECKING:
 RAYS = 720
 """Directions in which the border is looked for, from the outside."""
 LEAST_ARC = 0.25
-"""Share of the directions in which the border must be seen."""
+"""Share of the circle over which its border must be seen."""
+RISE = 0.05
+"""Least step of the level, of 1, at the border. Stray light around the circle falls off without a step."""
 TOLERANCE = 0.01
 """Borders further than this share of the radius from the circle are not of it."""
+_SECTORS = 120
+_HALF = 6
+"""Half pixels on either side of a step."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +36,7 @@ class Circle:
     radius: float
     """[pixels]"""
     share: float
-    """Of the directions in which its border was seen."""
+    """Of the circle over which its border was seen."""
     residual: float
     """Root mean square distance of the border from the circle [pixels]."""
 
@@ -59,17 +64,19 @@ def find_circle(levels: Levels) -> Circle:
 
     Notes
     -----
-    From outside the first bright run on rays toward the middle is taken for the border; a circle is fitted to these
-    points by algebraic least squares, starting from the best of circles through three of them (drawn in a fixed order),
-    with those left out that are further away than `TOLERANCE`. A circle that is cut by the picture's edges is found by
-    the rest of its border.
+    The first step from dark to bright on rays from outside toward the middle is taken for the border; a circle is
+    fitted to these points by algebraic least squares, starting from the best of circles through three of them (drawn in
+    a fixed order), with those left out that are further away than `TOLERANCE`. A circle that is cut by the picture's
+    edges is found by the rest of its border.
     """
     grey = levels.max(axis=2).astype(np.float32)
     grey /= np.iinfo(levels.dtype).max
     points = _border(grey)
     if len(points) < LEAST_ARC * RAYS:
         raise _none("its border is seen in too few directions")
-    start = _by_three(points)
+    height, width = grey.shape
+    sizes = (0.15 * min(height, width), float(max(height, width)))
+    start = _by_three(points, sizes)
     inside = _near(points, start)
     for _ in range(20):
         circle = _fit(points[inside])
@@ -77,10 +84,11 @@ def find_circle(levels: Levels) -> Circle:
         if (again == inside).all():
             break
         inside = again
-    share = float(inside.sum()) / RAYS
     x, y, radius = circle
-    height, width = grey.shape
-    if share < LEAST_ARC or not (0.15 * min(height, width) < radius < max(height, width)):
+    # As seen from the circle's own middle, so that straight edges of other things are no arcs.
+    sectors = np.floor(np.arctan2(points[inside, 1] - y, points[inside, 0] - x) * (0.5 * _SECTORS / np.pi))
+    share = np.unique(sectors % _SECTORS).size / _SECTORS
+    if share < LEAST_ARC or not sizes[0] < radius < sizes[1]:
         raise _none("what stands out from black is no circle")
     distance = np.hypot(points[inside, 0] - x, points[inside, 1] - y) - radius
     return Circle((x, y), radius, share, float(np.sqrt(np.mean(distance**2))))
@@ -94,36 +102,41 @@ def _none(why: str) -> MissingDataError:
 
 
 def _border(grey: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Columns and rows (n, 2) where rays from outside first meet what is bright and stays so."""
+    """Columns and rows (n, 2) of the first step from dark to bright that rays from outside meet."""
     height, width = grey.shape
-    # Black surrounds have noise and a haze of flare; the frame's corners show how much.
+    # Black surrounds have noise and a haze of stray light; the frame's corners show how much.
     side = max(4, min(height, width) // 40)
     corners = np.concatenate(
         [grey[a, b].ravel() for a in (slice(side), slice(-side, None)) for b in (slice(side), slice(-side, None))]
     )
-    threshold = max(float(np.median(corners)) + 6.0 * float(np.median(np.abs(corners - np.median(corners)))), 0.0)
-    threshold += 0.04
+    black = float(np.median(corners))
+    step_height = RISE + 3.0 * float(np.median(np.abs(corners - black)))
     middle = np.array([0.5 * width, 0.5 * height])
     found = []
     for angle in 2.0 * np.pi * (np.arange(RAYS) + 0.5) / RAYS:
-        step = np.array([np.cos(angle), np.sin(angle)])
-        length = float(np.min(np.where(np.abs(step) > 1e-9, middle / np.maximum(np.abs(step), 1e-9), np.inf)))
-        distance = np.arange(length - 0.51, 0.0, -0.5)
-        places = middle + distance[:, None] * step
+        inward = np.array([np.cos(angle), np.sin(angle)])
+        length = float(np.min(np.where(np.abs(inward) > 1e-9, middle / np.maximum(np.abs(inward), 1e-9), np.inf)))
+        places = middle + np.arange(length - 0.51, 0.0, -0.5)[:, None] * inward
         columns = np.clip(places[:, 0].astype(int), 0, width - 1)
         rows = np.clip(places[:, 1].astype(int), 0, height - 1)
-        bright = grey[rows, columns] > threshold
-        run = 8  # four pixels, so that a hot one does not count
-        if bright.size < 2 * run or bright[:run].any():
+        profile = grey[rows, columns].astype(np.float64)
+        if profile.size < 4 * _HALF or profile[: 2 * _HALF].mean() > black + 2.0 * step_height:
             continue  # the edge of the picture cuts the circle here
-        held = np.convolve(bright, np.ones(run), "valid") >= run
-        if held.any():
-            found.append(places[int(np.argmax(held))])
+        sums = np.concatenate([[0.0], np.cumsum(profile)])
+        means = (sums[_HALF:] - sums[:-_HALF]) / _HALF
+        rise = means[_HALF:] - means[:-_HALF]  # of the part that begins _HALF further on over the one before it
+        steep = rise > step_height
+        if steep.any():
+            first = int(np.argmax(steep))
+            # Where it is steepest, as long as it rises.
+            last = first + int(np.argmin(np.append(steep[first:], False)))
+            at = first + int(np.argmax(rise[first:last])) + _HALF
+            found.append(0.5 * (places[at - 1] + places[at]))
     return np.array(found).reshape(-1, 2)
 
 
-def _by_three(points: NDArray[np.float64]) -> tuple[float, float, float]:
-    """The circle through three of the points that most of the others are near to."""
+def _by_three(points: NDArray[np.float64], sizes: tuple[float, float]) -> tuple[float, float, float]:
+    """The circle through three of the points, within limits of the radius, that most of the others are near to."""
     count = len(points)
     best, most = (0.0, 0.0, 0.0), -1
     random = np.random.default_rng(1)
@@ -132,6 +145,8 @@ def _by_three(points: NDArray[np.float64]) -> tuple[float, float, float]:
         if abs(np.linalg.det(np.column_stack([three, np.ones(3)]))) < 1e-3 * count:
             continue
         circle = _fit(three)
+        if not sizes[0] < circle[2] < sizes[1]:
+            continue
         near = int(_near(points, circle).sum())
         if near > most:
             best, most = circle, near
