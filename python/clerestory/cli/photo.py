@@ -202,7 +202,7 @@ def photo(
         made = develop(session, folder, tell)
     inputs = [p.path for p in made.series.photographs]
     for text in made.warnings:
-        warn(inputs[0].parent if described else inputs[0], text)
+        warn(pictures[0] if described else inputs[0], text)
     for path in (output, save_response, plot_response):
         if path is not None:
             refuse_overwriting(path, inputs)

@@ -21,6 +21,8 @@ UNEVEN_STEP = 0.10
 """A step of exposure that the pictures contradict by more than this share is doubtful."""
 MANY_GHOSTS = 0.01
 """Share of contradicting pixels above which something moved."""
+MANY_DARK = 0.001
+"""Share of pixels too dark in all exposures above which a longer one is asked for; fewer are of the lens's border."""
 APART = 0.15
 """Spots whose factors differ by more than this share from the common one contradict each other."""
 SEEN = 0.995
@@ -105,7 +107,7 @@ def of_merged(merged: Merged, within: NDArray[np.bool_]) -> list[str]:
             "did, or the response is not the camera's (repeat the series, or recover the response)"
         )
     dark = float(merged.dark[within].mean())
-    if dark > 0.0:
+    if dark > MANY_DARK:
         found.append(
             f"{100.0 * dark:.2g} % of the pixels are too dark in all exposures, and uncertain (add a longer exposure)"
         )
