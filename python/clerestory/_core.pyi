@@ -435,6 +435,7 @@ class WindowGroups:
         self,
         points: _Floats,
         normals: _Floats,
+        direct_meetings: int,
         samples: int,
         seed: int,
         report: Callable[[float], object] | None = None,

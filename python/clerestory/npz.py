@@ -82,6 +82,7 @@ def load(path: str | os.PathLike[str]) -> Bsdf:
 
 
 def encode(bsdf: Operations) -> bytes:
+    """The content of the file of a data set; the same for the same data."""
     writer = _Writer()
     bands = [
         {

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from clerestory import _core
 from clerestory._core import MissingDataError
 
 if TYPE_CHECKING:
@@ -23,7 +24,14 @@ if TYPE_CHECKING:
     from clerestory.bsdf import Bsdf
     from clerestory.directions import Scatter, Side
 
+    Doubles = NDArray[np.float64]
     Floats = NDArray[np.float32]
+
+
+_PROBES = 64
+"""Steps along each axis of the square at which beams are looked up for patches."""
+_STRAIGHT = 1e-6
+"""Largest difference of a beam's direction from straight on."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +40,8 @@ class Transfer:
 
     transmission: Floats
     """(outgoing, incident) radiance of a patch into the room by the radiance of a patch from outside."""
+    beam: Floats
+    """(incident) its part that goes straight on as a beam."""
     reflection: Floats
     """(outgoing, incident) the same of light from the room that returns to it; 0 where the data set has none."""
 
@@ -46,17 +56,30 @@ class Transfer:
             return np.ascontiguousarray(np.maximum(model.values, 0.0) * weights, dtype=np.float32)
 
         transmission = table("exterior", "transmission")
+        points = _core.square_directions(_PROBES)
+        patch = basis._core.patch_of(np.ascontiguousarray(points[:, :2]))
+        passed = np.bincount(patch, straight_through(bsdf, -points, band), minlength=len(basis))
+        beam = (passed / np.bincount(patch, minlength=len(basis))).astype(np.float32)
         try:
             reflection = table("interior", "reflection")
         except MissingDataError:
             reflection = np.zeros_like(transmission)
-        return cls(transmission, reflection)
+        return cls(transmission, np.minimum(beam, np.diag(transmission)), reflection)
 
     @classmethod
     def black(cls, basis: Basis) -> Transfer:
         """Lets nothing pass."""
         none = np.zeros((len(basis), len(basis)), dtype=np.float32)
-        return cls(none, none)
+        return cls(none, np.zeros(len(basis), dtype=np.float32), none)
+
+
+def straight_through(bsdf: Bsdf, incident: Doubles, band: str | None = None) -> Doubles:
+    """Transmittance (n) of the beams that go straight on, of incident directions (n, 3) from outside."""
+    found = np.zeros(len(incident))
+    for row, outgoing, value, _ in bsdf._core.peaks(np.ascontiguousarray(incident), band, "transmission"):
+        if np.linalg.norm(np.asarray(outgoing) + incident[row]) < _STRAIGHT:
+            found[row] += value
+    return found
 
 
 def leaving(transfers: Sequence[Transfer], returned: Sequence[Floats] | None = None) -> Floats:

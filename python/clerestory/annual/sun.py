@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clerestory import _core
+from clerestory.annual.phases import straight_through
 from clerestory.picture import View
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ class Eye:
     directions: Doubles
     """(n, 3) in which it looks for sunlit surfaces."""
     solid_angles: Doubles
-    """(n) of these [sr]."""
+    """(n) of these [sr]; each is an equal part of the projected solid angle."""
 
     @classmethod
     def of(cls, matrices: RoomMatrices, point: ArrayLike, direction: ArrayLike, steps: int) -> Eye:
@@ -65,6 +66,15 @@ class SunSeen:
     """(steps) on a plane that faces it, of the sun that is seen through windows."""
     surfaces: Floats
     """(directions of the eye, steps) radiance of what it lights through beams of windows."""
+
+    @property
+    def from_surfaces(self) -> Doubles:
+        """Irradiance (steps) at the eye from what it lights."""
+        return np.asarray(np.pi * self.surfaces.mean(axis=0, dtype=np.float64))
+
+    def scaled(self, factor: float) -> SunSeen:
+        """In another unit."""
+        return SunSeen(self.directions, factor * self.straight, factor * self.surfaces)
 
 
 @dataclass(frozen=True)
@@ -119,10 +129,7 @@ class SunThrough:
         incident = np.ascontiguousarray(suns @ self.matrices.frame(group).T)
         facing = np.flatnonzero(incident[:, 2] < 0.0)
         found = np.zeros(len(suns))
-        peaks = self.systems[group]._core.peaks(np.ascontiguousarray(incident[facing]), self.band, "transmission")
-        for row, outgoing, value, _ in peaks:
-            if np.linalg.norm(np.asarray(outgoing) + incident[facing[row]]) < 1e-6:
-                found[facing[row]] += value
+        found[facing] = straight_through(self.systems[group], incident[facing], self.band)
         return found
 
     def through(self, points: Doubles, suns: Doubles, irradiance: Doubles) -> Doubles:

@@ -134,6 +134,13 @@ class RoomYear:
         returned = [matrices.returned(g, samples=sampling.daylight).all for g in groups]
         once, whole = leaving(transfers), leaving(transfers, returned)
         to_points, to_points_directly = view.all @ whole, view.direct @ once
+        if self._eyes:
+            # The sun's beams are exact at an eye with what they light: that is one meeting more.
+            met_once = matrices.view(
+                self._points[self._count :], self._normals[self._count :], direct_meetings=1, samples=sampling.view
+            )
+            beams = np.concatenate([transfer.beam for transfer in transfers])
+            to_points_directly[self._count :] += (met_once.direct - view.direct[self._count :]) * beams
         five = self.method == "5-phase"
         through = SunThrough(matrices, tuple(systems), sampling.cells)
         to_eyes = SunThrough(matrices, tuple(systems), sampling.eye_cells)
@@ -152,8 +159,11 @@ class RoomYear:
             arrives = from_sky + from_sun
             found = to_points @ arrives
             by_patches = to_points_directly @ np.concatenate([d.direct @ sun for d in daylight])
+            of_sun = {name: to_eyes.seen_by(eye, suns[part], irradiance[part]) for name, eye in self._eyes.items()}
             if seen is not None:
                 exact = through.irradiance(self._points, self._normals, seen, suns[part], irradiance[part])
+                for k, sun_seen in enumerate(of_sun.values(), self._count):
+                    exact[k] += sun_seen.from_surfaces
                 found = found - by_patches + exact
                 by_patches = exact.astype(np.float32)
             light = (EFFICACY * np.maximum(found, 0.0)).astype(np.float32)
@@ -165,8 +175,8 @@ class RoomYear:
                 radiance += to_eyes.radiance(numbers, suns[part], irradiance[part]).T
                 for k, (name, eye) in enumerate(self._eyes.items(), self._count):
                     at_eye = light[k].astype(np.float64)
-                    of_sun = to_eyes.seen_by(eye, suns[part], EFFICACY * irradiance[part])
-                    rated = rate(eye, numbers, EFFICACY * radiance, of_sun, at_eye, self.settings)
+                    sun_seen = of_sun[name].scaled(EFFICACY)
+                    rated = rate(eye, numbers, EFFICACY * radiance, sun_seen, at_eye, self.settings)
                     dark = np.full(len(at_eye), np.nan)
                     eyes[name] = {"illuminance": at_eye} | {index: rated.get(index, dark) for index in INDICES}
             yield Part(part, light[: self._count].T, EFFICACY * by_patches[: self._count].T, eyes)

@@ -21,7 +21,21 @@ from clerestory.cli.common import UsageError, in_one_line, is_expected
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_COMMANDS = ("info", "check", "query", "convert", "plot", "trace", "weather", "sky", "render", "glare", "compare")
+_COMMANDS = (
+    "info",
+    "check",
+    "query",
+    "convert",
+    "plot",
+    "trace",
+    "weather",
+    "sky",
+    "render",
+    "glare",
+    "photo",
+    "photo-compare",
+    "compare",
+)
 
 app = typer.Typer(
     name="clerestory",
@@ -56,7 +70,8 @@ def clerestory(
 
 def _add(name: str) -> None:
     """Add a command; the example at the end of its docstring is kept on a line of its own."""
-    command = getattr(import_module(f"clerestory.cli.{name}"), name)
+    home = name.replace("-", "_")
+    command = getattr(import_module(f"clerestory.cli.{home}"), home)
     text, _, example = cleandoc(command.__doc__).partition("\n\nExample: ")
     app.command(name, help=text, epilog=f"\b\nExample: {example}")(command)
 

@@ -67,15 +67,22 @@ pub struct Paths {
 
 impl Room {
     /// Irradiance at sensors (rows) by the radiance of the windows' patches (columns, group by group) [sr]. Direct is what comes from a window
-    /// without meeting anything.
-    pub fn view_matrix(&self, sensors: &[Sensor], groups: &Groups, paths: Paths, progress: &Progress) -> Result<Rows> {
+    /// and has met no more than so many surfaces.
+    pub fn view_matrix(
+        &self,
+        sensors: &[Sensor],
+        groups: &Groups,
+        direct_meetings: u16,
+        paths: Paths,
+        progress: &Progress,
+    ) -> Result<Rows> {
         check_sensors(sensors)?;
         let targets = self.receivers(groups)?;
         let launch = |row: usize, tracer: &mut Tracer<'_>, draws: Draws| {
             let normal = sensors[row].normal.unit();
             tracer.sense(sensors[row].point + normal * LIFT, normal, draws);
         };
-        self.rows(sensors.len(), PI, targets, 0, paths, progress, launch)
+        self.rows(sensors.len(), PI, targets, direct_meetings, paths, progress, launch)
     }
 
     /// Radiance in pixels (rows, top left first, from `first` on) by the radiance of the windows' patches. Direct is what is seen of a window, and what a
