@@ -10,7 +10,6 @@ room count in it, and are no sources.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,8 +21,7 @@ from clerestory.sky.model import SOLAR_DIAMETER_DEG
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from clerestory.annual.sun import Eye, SunSeen, SunThrough
-    from clerestory.bsdf import Bsdf
+    from clerestory.annual.sun import Eye, SunSeen
     from clerestory.glare import Settings
 
     Doubles = NDArray[np.float64]
@@ -31,79 +29,6 @@ if TYPE_CHECKING:
 
 SOLAR_SOLID_ANGLE = 2.0 * math.pi * (1.0 - math.cos(math.radians(SOLAR_DIAMETER_DEG / 2.0)))
 """Of the sun's disc [sr]."""
-_INCIDENT = 64
-"""Steps along each axis of the square on which incident light is summed."""
-
-
-@dataclass(frozen=True)
-class SkyThrough:
-    """The sky's light through the cells of the windows' directions."""
-
-    numbers: NDArray[np.int64]
-    """(cells) group · steps² + cell."""
-    patch: NDArray[np.int64]
-    """(cells) patch of all groups that each lies in."""
-    scattered: Floats
-    """(cells, groups · patches) radiance of a cell by that of the incident patches; without beams."""
-    beam: Floats
-    """(cells) transmittance of what goes straight on."""
-    behind: NDArray[np.int64]
-    """(cells) patch of the sky behind a cell."""
-    free: NDArray[np.bool_]
-    """(cells) whether nothing but sky and ground is before the group's windows."""
-
-    @classmethod
-    def of(cls, through: SunThrough, numbers: NDArray[np.int64], sky: _core.SkyPatches) -> SkyThrough:
-        """Of cells that some eye sees."""
-        matrices, steps = through.matrices, through.steps
-        basis, patches = matrices.basis, len(matrices.basis)
-        outgoing = _core.square_directions(steps)[numbers % steps**2]
-        group = numbers // steps**2
-        patch = basis._core.patch_of(np.ascontiguousarray(outgoing[:, :2])) + group * patches
-        scattered = np.zeros((len(numbers), len(through.systems) * patches), dtype=np.float32)
-        beam = np.zeros(len(numbers), dtype=np.float32)
-        behind = np.zeros(len(numbers), dtype=np.int64)
-        free = np.zeros(len(numbers), dtype=bool)
-        for number, bsdf in enumerate(through.systems):
-            here = np.flatnonzero(group == number)
-            if not len(here):
-                continue
-            columns = slice(number * patches, (number + 1) * patches)
-            scattered[here, columns] = _scattered(bsdf, through.band, basis._core, outgoing[here])
-            world = -outgoing[here] @ matrices.frame(number)
-            beam[here] = through.beams(number, world)
-            behind[here] = sky.patch_of(np.ascontiguousarray(world))
-            free[here] = not len(matrices.outside_of(number))
-        return cls(numbers, patch, scattered, beam, behind, free)
-
-    def radiance(self, arrives: Floats, arrives_directly: Floats, sky: Floats) -> Floats:
-        """Radiance (cells, steps).
-
-        Parameters
-        ----------
-        arrives, arrives_directly
-            Radiance (groups · patches, steps) from outside, and that which has met nothing.
-        sky
-            Radiance (patches of the sky, steps).
-        """
-        seen = np.where(self.free[:, None], sky[self.behind], arrives_directly[self.patch])
-        return np.asarray(self.scattered @ arrives + self.beam[:, None] * seen)
-
-
-def _scattered(bsdf: Bsdf, band: str | None, basis: _core.Basis, outgoing: Doubles) -> Floats:
-    """Radiance of cells (cells, patches) by that of incident patches, each probed at the cells of a square."""
-    incident = _core.square_directions(_INCIDENT)
-    patch = basis.patch_of(np.ascontiguousarray(incident[:, :2]))
-    # Each point stands for an equal part of its patch.
-    area = np.asarray(basis.projected_solid_angles())[patch] / np.bincount(patch, minlength=len(basis))[patch]
-    found = np.zeros((len(outgoing), len(basis)), dtype=np.float32)
-    order = np.argsort(patch, kind="stable")
-    first = np.searchsorted(patch[order], np.arange(len(basis)))
-    for start in range(0, len(outgoing), 256):
-        part = slice(start, start + 256)
-        values = bsdf.evaluate(-incident[order][None, :, :], outgoing[part, None, :], band)
-        found[part] = np.add.reduceat(np.maximum(values, 0.0) * area[order], first, axis=1)
-    return found
 
 
 def rate(

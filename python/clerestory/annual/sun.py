@@ -155,29 +155,6 @@ class SunThrough:
             surfaces[:, up] = np.where(groups >= 0, factors * passed[:, up][groups, np.arange(len(up))], 0.0)
         return SunSeen(suns, self.through(eye.point, suns, irradiance)[0], surfaces)
 
-    def irradiance(
-        self, points: Doubles, normals: Doubles, seen: Apertures, suns: Doubles, irradiance: Doubles
-    ) -> Doubles:
-        """Irradiance (points, steps) that the sun gives directly through the windows.
-
-        Parameters
-        ----------
-        points, normals
-            As for `seen`.
-        seen
-            What the points see of the windows, by the same `steps`.
-        suns, irradiance
-            As for `radiance`.
-        """
-        from scipy.sparse import csr_array
-
-        numbers, column = np.unique(seen.number, return_inverse=True)
-        weights = csr_array((seen.projected, column, seen.first), shape=(len(points), len(numbers)))
-        scattered = weights @ self.radiance(numbers, suns, irradiance).T
-        units = normals / np.linalg.norm(normals, axis=1, keepdims=True)
-        cosines = np.maximum(units @ suns.T, 0.0)
-        return np.asarray(scattered + self.through(points, suns, irradiance) * cosines)
-
     def _lit(self, group: int, suns: Doubles) -> Doubles:
         """Share of a group's windows that each sun reaches from outside."""
         points = self.matrices.outside_of(group)

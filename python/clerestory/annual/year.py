@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from clerestory._core import ClerestoryError
-from clerestory.annual.glare import SkyThrough, rate
+from clerestory.annual.cells import SeenWindows
+from clerestory.annual.glare import rate
 from clerestory.annual.phases import Transfer, leaving
-from clerestory.annual.sun import Eye, SunThrough
+from clerestory.annual.points import Light, Lit
+from clerestory.annual.sun import Eye
 from clerestory.glare import Settings
 from clerestory.photometry import EFFICACY
 
@@ -102,16 +104,15 @@ class RoomYear:
         self.method = method
         self.sampling = sampling or Sampling()
         self.settings = settings or Settings()
-        empty = np.zeros((0, 3))
-        self._eyes = {
-            name: Eye.of(matrices, point, direction, self.sampling.eye_cells)
-            for name, (point, direction) in (eyes or {}).items()
-        }
-        at = [empty if points is None else points, *(eye.point for eye in self._eyes.values())]
-        towards = [empty if normals is None else normals, *(eye.direction for eye in self._eyes.values())]
-        self._points, self._normals = np.concatenate(at), np.concatenate(towards)
-        self._count = len(at[0])
-        if not len(self._points):
+        if method == "3-phase" and eyes:
+            raise ClerestoryError("glare needs the sun at a data set's resolution (give the method 5-phase)")
+        nowhere = np.zeros((0, 3))
+        self._points = nowhere if points is None else np.asarray(points, dtype=np.float64)
+        given = nowhere if normals is None else np.asarray(normals, dtype=np.float64)
+        self._normals = given / np.linalg.norm(given, axis=1, keepdims=True)
+        steps = self.sampling.eye_cells
+        self._eyes = {name: Eye.of(matrices, at, towards, steps) for name, (at, towards) in (eyes or {}).items()}
+        if not len(self._points) and not self._eyes:
             raise ClerestoryError("there are neither points nor eyes (give sensors or views)")
 
     def of(self, systems: Sequence[Bsdf], progress: Callable[[float], object] | None = None) -> Iterator[Part]:
@@ -127,58 +128,69 @@ class RoomYear:
         matrices, sampling = self.matrices, self.sampling
         if len(systems) != len(matrices):
             raise ClerestoryError(f"{len(systems)} systems for {len(matrices)} groups of windows (give one each)")
-        view = matrices.view(self._points, self._normals, samples=sampling.view)
         groups = range(len(matrices))
         daylight = [matrices.daylight(g, self.sky.patches, samples=sampling.daylight) for g in groups]
         transfers = [Transfer.of(bsdf, matrices.basis) for bsdf in systems]
         returned = [matrices.returned(g, samples=sampling.daylight).all for g in groups]
         once, whole = leaving(transfers), leaving(transfers, returned)
-        to_points, to_points_directly = view.all @ whole, view.direct @ once
-        if self._eyes:
-            # The sun's beams are exact at an eye with what they light: that is one meeting more.
-            met_once = matrices.view(
-                self._points[self._count :], self._normals[self._count :], direct_meetings=1, samples=sampling.view
-            )
-            beams = np.concatenate([transfer.beam for transfer in transfers])
-            to_points_directly[self._count :] += (met_once.direct - view.direct[self._count :]) * beams
-        five = self.method == "5-phase"
-        through = SunThrough(matrices, tuple(systems), sampling.cells)
-        to_eyes = SunThrough(matrices, tuple(systems), sampling.eye_cells)
-        numbers = np.unique(
-            np.concatenate([np.zeros(0, dtype=np.int64), *(e.seen.number for e in self._eyes.values())])
-        )
-        cells = SkyThrough.of(to_eyes, numbers, self.sky.patches._core) if self._eyes else None
-        seen = matrices.apertures(self._points, self._normals, sampling.cells) if five else None
+        points = self._of_points(systems, once, whole) if len(self._points) else None
+        eyes = _Eyes(self, systems, transfers, once, whole) if self._eyes else None
         suns, irradiance = self.sky.suns.directions, self.sky.suns.irradiance
-        steps = len(suns)
-        for first in range(0, steps, sampling.chunk):
-            part = slice(first, min(first + sampling.chunk, steps))
+        for first in range(0, len(suns), sampling.chunk):
+            part = slice(first, min(first + sampling.chunk, len(suns)))
             sky = np.asarray(self.sky.columns(part, part="sky"), dtype=np.float32)
             sun = np.asarray(self.sky.columns(part, part="sun"), dtype=np.float32)
-            from_sky, from_sun = [np.concatenate([d.all @ light for d in daylight]) for light in (sky, sun)]
-            arrives = from_sky + from_sun
-            found = to_points @ arrives
-            by_patches = to_points_directly @ np.concatenate([d.direct @ sun for d in daylight])
-            of_sun = {name: to_eyes.seen_by(eye, suns[part], irradiance[part]) for name, eye in self._eyes.items()}
-            if seen is not None:
-                exact = through.irradiance(self._points, self._normals, seen, suns[part], irradiance[part])
-                for k, sun_seen in enumerate(of_sun.values(), self._count):
-                    exact[k] += sun_seen.from_surfaces
-                found = found - by_patches + exact
-                by_patches = exact.astype(np.float32)
-            light = (EFFICACY * np.maximum(found, 0.0)).astype(np.float32)
-            eyes: dict[str, dict[str, Doubles]] = {}
-            if cells is not None:
-                from_sky_directly = np.concatenate([d.direct @ sky for d in daylight])
-                radiance = cells.radiance(from_sky, from_sky_directly, sky)
-                radiance += ((whole - once) @ arrives)[cells.patch]
-                radiance += to_eyes.radiance(numbers, suns[part], irradiance[part]).T
-                for k, (name, eye) in enumerate(self._eyes.items(), self._count):
-                    at_eye = light[k].astype(np.float64)
-                    sun_seen = of_sun[name].scaled(EFFICACY)
-                    rated = rate(eye, numbers, EFFICACY * radiance, sun_seen, at_eye, self.settings)
-                    dark = np.full(len(at_eye), np.nan)
-                    eyes[name] = {"illuminance": at_eye} | {index: rated.get(index, dark) for index in INDICES}
-            yield Part(part, light[: self._count].T, EFFICACY * by_patches[: self._count].T, eyes)
+            light = Light(
+                sky=sky,
+                diffuse=np.concatenate([d.all @ sky + (d.all - d.direct) @ sun for d in daylight]),
+                directly=np.concatenate([d.direct @ sun for d in daylight]),
+                suns=suns[part],
+                irradiance=irradiance[part],
+            )
+            nothing = np.zeros((light.steps, 0), dtype=np.float32)
+            found = (nothing, nothing) if points is None else points.illuminance(light)
+            yield Part(part, *found, {} if eyes is None else eyes.rated(light))
             if progress is not None:
-                progress(part.stop / steps)
+                progress(part.stop / len(suns))
+
+    def _of_points(self, systems: Sequence[Bsdf], once: Floats, whole: Floats) -> Lit:
+        seen = None
+        if self.method == "5-phase":
+            seen = SeenWindows.of(
+                self.matrices, systems, self._points, self._normals, self.sampling.cells, self.sky.patches._core
+            )
+        return Lit(self.matrices.view(self._points, self._normals, samples=self.sampling.view), once, whole, seen)
+
+
+class _Eyes:
+    """The eyes of a year with one choice of systems."""
+
+    def __init__(
+        self, year: RoomYear, systems: Sequence[Bsdf], transfers: Sequence[Transfer], once: Floats, whole: Floats
+    ) -> None:
+        matrices, sampling = year.matrices, year.sampling
+        self._eyes = year._eyes
+        self._settings = year.settings
+        at = np.concatenate([eye.point for eye in self._eyes.values()])
+        towards = np.concatenate([eye.direction for eye in self._eyes.values()])
+        self._seen = SeenWindows.of(matrices, systems, at, towards, sampling.eye_cells, year.sky.patches._core)
+        view = matrices.view(at, towards, samples=sampling.view)
+        self._lit = Lit(view, once, whole, self._seen)
+        # A beam of the sun is exact together with what it lights, which is one meeting more.
+        met = matrices.view(at, towards, direct_meetings=1, samples=sampling.view)
+        self._by_beams = (met.direct - view.direct) * np.concatenate([transfer.beam for transfer in transfers])
+        self._returns = (whole - once)[self._seen.sky.patch]
+
+    def rated(self, light: Light) -> dict[str, dict[str, Doubles]]:
+        """Illuminance [lx] and indices (steps) of each eye."""
+        suns = [self._seen.through.seen_by(eye, light.suns, light.irradiance) for eye in self._eyes.values()]
+        lit = self._lit.irradiance(light)[0] - self._by_beams @ light.directly
+        lit += np.stack([sun.from_surfaces for sun in suns])
+        illuminance = EFFICACY * np.maximum(lit, 0.0)
+        luminances = EFFICACY * (self._seen.radiance(light) + self._returns @ light.arrives)
+        found: dict[str, dict[str, Doubles]] = {}
+        dark = np.full(light.steps, np.nan)
+        for (name, eye), sun, at_eye in zip(self._eyes.items(), suns, illuminance, strict=True):
+            rated = rate(eye, self._seen.numbers, luminances, sun.scaled(EFFICACY), at_eye, self._settings)
+            found[name] = {"illuminance": at_eye} | {index: rated.get(index, dark) for index in INDICES}
+        return found

@@ -1,0 +1,158 @@
+"""The windows as points see them, at a finer resolution than that of the patches.
+
+Cells of the square of a group's directions have the sky's light through the system, by the patches that it arrives
+in, and the sun's at the data set's own resolution. Beams show the sky itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from clerestory import _core
+from clerestory.annual.sun import SunThrough
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from clerestory.annual.matrices import Apertures, RoomMatrices
+    from clerestory.annual.points import Light
+    from clerestory.bsdf import Bsdf
+
+    Doubles = NDArray[np.float64]
+    Floats = NDArray[np.float32]
+
+_INCIDENT = 64
+"""Steps along each axis of the square on which incident light is summed."""
+
+
+@dataclass(frozen=True)
+class SkyThrough:
+    """The sky's light through the cells of the windows' directions."""
+
+    numbers: NDArray[np.int64]
+    """(cells) group · steps² + cell."""
+    patch: NDArray[np.int64]
+    """(cells) patch of all groups that each lies in."""
+    scattered: Floats
+    """(cells, groups · patches) radiance of a cell by that of the incident patches; without beams."""
+    beam: Floats
+    """(cells) transmittance of what goes straight on."""
+    behind: NDArray[np.int64]
+    """(cells) patch of the sky behind a cell."""
+    free: NDArray[np.bool_]
+    """(cells) whether nothing but sky and ground is before the group's windows."""
+
+    @classmethod
+    def of(cls, through: SunThrough, numbers: NDArray[np.int64], sky: _core.SkyPatches) -> SkyThrough:
+        """Of cells that some eye sees."""
+        matrices, steps = through.matrices, through.steps
+        basis, patches = matrices.basis, len(matrices.basis)
+        outgoing = _core.square_directions(steps)[numbers % steps**2]
+        group = numbers // steps**2
+        patch = basis._core.patch_of(np.ascontiguousarray(outgoing[:, :2])) + group * patches
+        scattered = np.zeros((len(numbers), len(through.systems) * patches), dtype=np.float32)
+        beam = np.zeros(len(numbers), dtype=np.float32)
+        behind = np.zeros(len(numbers), dtype=np.int64)
+        free = np.zeros(len(numbers), dtype=bool)
+        for number, bsdf in enumerate(through.systems):
+            here = np.flatnonzero(group == number)
+            if not len(here):
+                continue
+            columns = slice(number * patches, (number + 1) * patches)
+            scattered[here, columns] = _scattered(bsdf, through.band, basis._core, outgoing[here])
+            world = -outgoing[here] @ matrices.frame(number)
+            beam[here] = through.beams(number, world)
+            behind[here] = sky.patch_of(np.ascontiguousarray(world))
+            free[here] = not len(matrices.outside_of(number))
+        return cls(numbers, patch, scattered, beam, behind, free)
+
+    def radiance(self, arrives: Floats, sky: Floats) -> Floats:
+        """Radiance (cells, steps).
+
+        Parameters
+        ----------
+        arrives
+            Radiance (groups · patches, steps) from outside, without what comes from the sun directly.
+        sky
+            Radiance (patches of the sky, steps), without the sun.
+        """
+        seen = np.where(self.free[:, None], sky[self.behind], arrives[self.patch])
+        return np.asarray(self.scattered @ arrives + self.beam[:, None] * seen)
+
+
+def _scattered(bsdf: Bsdf, band: str | None, basis: _core.Basis, outgoing: Doubles) -> Floats:
+    """Radiance of cells (cells, patches) by that of incident patches, each probed at the cells of a square."""
+    incident = _core.square_directions(_INCIDENT)
+    patch = basis.patch_of(np.ascontiguousarray(incident[:, :2]))
+    # Each point stands for an equal part of its patch.
+    area = np.asarray(basis.projected_solid_angles())[patch] / np.bincount(patch, minlength=len(basis))[patch]
+    found = np.zeros((len(outgoing), len(basis)), dtype=np.float32)
+    order = np.argsort(patch, kind="stable")
+    first = np.searchsorted(patch[order], np.arange(len(basis)))
+    for start in range(0, len(outgoing), 256):
+        part = slice(start, start + 256)
+        values = bsdf.evaluate(-incident[order][None, :, :], outgoing[part, None, :], band)
+        found[part] = np.add.reduceat(np.maximum(values, 0.0) * area[order], first, axis=1)
+    return found
+
+
+class SeenWindows:
+    """What points see of the windows' cells.
+
+    Parameters
+    ----------
+    points, normals
+        (n, 3) [m], and (n, 3) of length 1.
+    seen
+        What they see, by the same steps as `through`.
+    through
+        The sun through the windows.
+    sky
+        Patches of the sky.
+    """
+
+    def __init__(
+        self, points: Doubles, normals: Doubles, seen: Apertures, through: SunThrough, sky: _core.SkyPatches
+    ) -> None:
+        from scipy.sparse import csr_array
+
+        self.points, self.normals = points, normals
+        self.through = through
+        self.numbers, self.columns = np.unique(seen.number, return_inverse=True)
+        """Of the cells that any point sees, and the place of each seen cell among them."""
+        self.sky = SkyThrough.of(through, self.numbers, sky)
+        self._weights = csr_array((seen.projected, self.columns, seen.first), shape=(len(points), len(self.numbers)))
+
+    @classmethod
+    def of(
+        cls,
+        matrices: RoomMatrices,
+        systems: Sequence[Bsdf],
+        points: Doubles,
+        normals: Doubles,
+        steps: int,
+        sky: _core.SkyPatches,
+    ) -> SeenWindows:
+        """In cells of `steps` along each axis of the square."""
+        seen = matrices.apertures(points, normals, steps, parts=4)
+        return cls(points, normals, seen, SunThrough(matrices, tuple(systems), steps), sky)
+
+    def from_cells(self, radiance: Floats) -> Doubles:
+        """Irradiance (points, steps) by the radiance of cells (cells, steps)."""
+        return np.asarray(self._weights @ radiance, dtype=np.float64)
+
+    def irradiance_of_sun(self, light: Light) -> Doubles:
+        """Irradiance (points, steps) that the sun gives directly through the windows."""
+        scattered = self.from_cells(self.through.radiance(self.numbers, light.suns, light.irradiance).T)
+        straight = self.through.through(self.points, light.suns, light.irradiance)
+        return scattered + straight * np.maximum(self.normals @ light.suns.T, 0.0)
+
+    def radiance(self, light: Light) -> Floats:
+        """Radiance (cells, steps) but for the sun's disc."""
+        by_sun = self.through.radiance(self.numbers, light.suns, light.irradiance).T
+        return self.sky.radiance(light.diffuse, light.sky) + by_sun

@@ -1,0 +1,79 @@
+"""Irradiance at points: of patches, and with what comes directly from the windows at a finer resolution."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from clerestory.photometry import EFFICACY
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from clerestory.annual.cells import SeenWindows
+    from clerestory.annual.matrices import Matrix
+
+    Doubles = NDArray[np.float64]
+    Floats = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Light:
+    """What comes from outside at some steps."""
+
+    sky: Floats
+    """(patches of the sky, steps) radiance without the sun."""
+    diffuse: Floats
+    """(groups · patches, steps) radiance that arrives at windows, but for the sun's that has met nothing."""
+    directly: Floats
+    """(groups · patches, steps) the sun's that has met nothing, spread over patches."""
+    suns: Doubles
+    """(steps, 3) toward the sun."""
+    irradiance: Doubles
+    """(steps) of a plane that faces it."""
+
+    @property
+    def steps(self) -> int:
+        """How many."""
+        return len(self.irradiance)
+
+    @property
+    def arrives(self) -> Floats:
+        """(groups · patches, steps) all that arrives at windows."""
+        return self.diffuse + self.directly
+
+
+class Lit:
+    """Points in a room with one choice of systems.
+
+    Parameters
+    ----------
+    view
+        Of the points.
+    once, whole
+        What windows send (groups · patches, groups · patches), without and with what the room returns to them.
+    seen
+        What the points see of the windows; None for patches alone.
+    """
+
+    def __init__(self, view: Matrix, once: Floats, whole: Floats, seen: SeenWindows | None) -> None:
+        self._all = view.all @ whole
+        self._direct = view.direct @ once
+        self._seen = seen
+
+    def irradiance(self, light: Light) -> tuple[Doubles, Doubles]:
+        """(points, steps) of all light, and of the sun's that has met nothing in the room."""
+        found = (self._all @ light.arrives).astype(np.float64)
+        if self._seen is None:
+            return found, (self._direct @ light.directly).astype(np.float64)
+        by_sun = self._seen.irradiance_of_sun(light)
+        exact = self._seen.from_cells(self._seen.sky.radiance(light.diffuse, light.sky)) + by_sun
+        return found - self._direct @ light.arrives + exact, by_sun
+
+    def illuminance(self, light: Light) -> tuple[Floats, Floats]:
+        """The same as illuminance (steps, points) [lx]."""
+        both = (EFFICACY * np.maximum(e, 0.0).T.astype(np.float32) for e in self.irradiance(light))
+        every, direct = both
+        return every, direct
