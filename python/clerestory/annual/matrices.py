@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from clerestory.picture import View
     from clerestory.room import Room
+    from clerestory.room.world import WindowOf
     from clerestory.sky import SkyPatches
 
     Floats = NDArray[np.float32]
@@ -82,19 +83,20 @@ class RoomMatrices:
         self.seed = seed
         if not room.windows:
             raise RecipeError("the room has no window, so there are no matrices (add one)")
-        groups: dict[tuple[str, tuple[float, ...]], int] = {}
-        self.of_window: list[int] = []
+        keys = [_group_of(window) for window in room.windows]
+        names = list(dict.fromkeys(keys))
+        self.of_window = [names.index(key) for key in keys]
         """Group of each window."""
-        for window in room.windows:
-            edges = window.corners[1:] - window.corners[0]
-            normal = np.cross(edges[0], edges[1])
-            key = (window.system, tuple(np.round(normal / np.linalg.norm(normal), 6).tolist()))
-            self.of_window.append(groups.setdefault(key, len(groups)))
-        self.systems: list[str] = [system for system, _ in groups]
+        self.systems = self.systems_of(room)
         """Name of the system of each group."""
         self._bare = room.bare()
         self._groups = _core.WindowGroups(self._bare, self.of_window, self.basis._core)
         self._key = {"room": digest(*room.described()), "groups": self.of_window, "seed": seed}
+
+    @staticmethod
+    def systems_of(room: Room) -> list[str]:
+        """Name of the system of each group of a room's windows."""
+        return [system for system, _ in dict.fromkeys(_group_of(window) for window in room.windows)]
 
     def __len__(self) -> int:
         """Number of groups."""
@@ -223,3 +225,10 @@ def _photopic(made: tuple[Floats, Floats, Floats]) -> dict[str, Floats]:
     weights = np.asarray(LUMINANCE, dtype=np.float32)
     every, direct, error = made
     return {"all": every @ weights, "direct": direct @ weights, "standard_error": error}
+
+
+def _group_of(window: WindowOf) -> tuple[str, tuple[float, ...]]:
+    """What windows of a group share: their system, and where they look."""
+    edges = window.corners[1:] - window.corners[0]
+    normal = np.cross(edges[0], edges[1])
+    return window.system, tuple(np.round(normal / np.linalg.norm(normal), 6).tolist())

@@ -187,7 +187,7 @@ class _Eyes:
         lit = self._lit.irradiance(light)[0] - self._by_beams @ light.directly
         lit += np.stack([sun.from_surfaces for sun in suns])
         illuminance = EFFICACY * np.maximum(lit, 0.0)
-        luminances = EFFICACY * (self._seen.radiance(light) + self._returns @ light.arrives)
+        luminances = (EFFICACY * (self._seen.radiance(light) + self._returns @ light.arrives)).astype(np.float32)
         found: dict[str, dict[str, Doubles]] = {}
         dark = np.full(light.steps, np.nan)
         for (name, eye), sun, at_eye in zip(self._eyes.items(), suns, illuminance, strict=True):

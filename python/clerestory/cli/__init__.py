@@ -32,6 +32,7 @@ _COMMANDS = (
     "sky",
     "render",
     "glare",
+    "annual",
     "photo",
     "photo-compare",
     "compare",

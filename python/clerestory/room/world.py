@@ -98,7 +98,7 @@ class Room:
                 hint = suggestion(window.system, known) if known else f"add [systems.{window.system}]"
                 raise RecipeError(f"window {window.name}: there is no system {window.system!r} ({hint})")
             if window.system not in self._bsdfs:
-                self._bsdfs[window.system] = _system(
+                self._bsdfs[window.system] = system_of(
                     self._systems[window.system], f"systems.{window.system}", self.folder
                 )
         if not self.windows:
@@ -125,6 +125,10 @@ class Room:
             hint = suggestion(name, known) if known else "add [views.NAME]"
             raise RecipeError(f"there is no view {name!r} ({hint})")
         return known[name]
+
+    def system(self, name: str) -> Bsdf:
+        """The data set of one of its systems."""
+        return self._bsdfs[name][0]
 
     def sensors(self, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Points (n, 3) [m] and normals (n, 3) of its sensors.
@@ -366,7 +370,7 @@ def _sky(recipe: Recipe) -> Sky:
     return made
 
 
-def _system(given: keys.System, key: str, folder: Path) -> tuple[Bsdf, list[str | None]]:
+def system_of(given: keys.System, key: str, folder: Path) -> tuple[Bsdf, list[str | None]]:
     """The data set of a window, and its band for each channel."""
     from clerestory.files import read
     from clerestory.system import pane_from_normal

@@ -1,0 +1,116 @@
+"""What a study found: a summary, labelled arrays, tables and pictures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from clerestory.annual import dataset, en17037, lm83
+from clerestory.annual.frequencies import DGI_CLASSES, DGP_CLASSES, class_shares
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from clerestory.annual.study import Outcome, Study
+
+
+def summary(study: Study, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
+    """One record a data set: metrics of the room and of each view, over the hours that count."""
+    weights = study.hours.weights(study.weather)
+    return [_of(study, outcome, weights) for outcome in outcomes]
+
+
+def _of(study: Study, outcome: Outcome, weights: NDArray[np.float64]) -> dict[str, Any]:
+    found: dict[str, Any] = {"data_set": outcome.name}
+    if outcome.metrics is not None:
+        autonomy = outcome.metrics.autonomy_at(study.recipe.threshold_lx)
+        found["daylight_autonomy"] = float(autonomy.mean())
+        found["continuous_daylight_autonomy"] = float(
+            outcome.metrics.continuous_autonomy_at(study.recipe.threshold_lx).mean()
+        )
+        found["mean_illuminance_lx"] = float(outcome.metrics.mean.mean())
+        found["sDA300_50"] = lm83.spatial_autonomy(outcome.metrics.autonomy_at(300.0))
+        found["ASE1000_250"] = lm83.sunlight_exposure(outcome.direct_hours)
+    views = {}
+    for view, values in outcome.eyes.items():
+        # Where it is dark there is no glare, and the hour counts.
+        dgp, dgi = (np.nan_to_num(values[name])[:, None] for name in ("dgp", "dgi"))
+        reached = float(en17037.exceeded(dgp, weights)[0])
+        views[view] = {
+            "mean_vertical_illuminance_lx": float(np.average(values["illuminance"], weights=weights)),
+            "dgp_exceeded_5": reached,
+            "en17037_glare": en17037.glare_level(reached),
+            "dgp_classes": dict(zip(DGP_CLASSES.names, class_shares(dgp, weights, DGP_CLASSES)[:, 0], strict=True)),
+            "dgi_classes": dict(zip(DGI_CLASSES.names, class_shares(dgi, weights, DGI_CLASSES)[:, 0], strict=True)),
+        }
+    return found | {"views": views}
+
+
+def write(study: Study, outcomes: Sequence[Outcome], folder: Path) -> list[Path]:
+    """Write `results.nc`, tables and pictures into a folder; their paths."""
+    from clerestory.plot import style
+
+    folder.mkdir(parents=True, exist_ok=True)
+    made: list[Path] = []
+    names = [outcome.name for outcome in outcomes]
+    variables: dict[str, tuple[tuple[str, ...], Any]] = {}
+    coords: dict[str, Any] = {"data_set": names}
+    if len(study.points):
+        variables["illuminance"] = (("data_set", "time", "point"), np.stack([o.illuminance for o in outcomes]))
+        coords |= {axis: ("point", study.points[:, k]) for k, axis in enumerate("xyz")}
+    for variable, key in (("eye_illuminance", "illuminance"), ("dgp", "dgp"), ("dgi", "dgi")):
+        if study.views:
+            series = [[o.eyes[view][key] for view in study.views] for o in outcomes]
+            variables[variable] = (("data_set", "view", "time"), np.array(series))
+            coords["view"] = study.views
+    path = folder / "results.nc"
+    dataset.save(dataset.by_time(study.weather, variables, **coords), path)
+    made.append(path)
+    for outcome in outcomes:
+        if outcome.metrics is not None:
+            path = folder / f"points-{_slug(outcome.name)}.csv"
+            table = dataset.of_points(
+                outcome.metrics, study.points, study.hours.words, hours_in_sun=outcome.direct_hours
+            )
+            dataset.save(table, path)
+            made.append(path)
+    for name, figure in _figures(study, outcomes):
+        path = folder / f"{name}.png"
+        style.save(figure, path)
+        made.append(path)
+    return made
+
+
+def _figures(study: Study, outcomes: Sequence[Outcome]) -> list[tuple[str, Any]]:
+    from clerestory.plot.carpet import carpets
+    from clerestory.plot.class_bars import class_bars
+    from clerestory.plot.floor_plan import floor_plan
+
+    made: list[tuple[str, Any]] = []
+    limit = study.recipe.threshold_lx
+    if len(study.points):
+        shares = {o.name: o.metrics.autonomy_at(limit) for o in outcomes if o.metrics is not None}
+        label = f"daylight autonomy, {limit:g} lx"
+        made.append(("autonomy", floor_plan(study.points, shares, label=label, percent=True)))
+    weights = study.hours.weights(study.weather)
+    step = float(np.median(study.weather.interval))
+    for view in study.views:
+        series = {o.name: o.eyes[view]["illuminance"] for o in outcomes}
+        made.append((f"eye-illuminance-{_slug(view)}", carpets(series, study.weather.times, step, label="E_v [lx]")))
+        for classes, key in ((DGP_CLASSES, "dgp"), (DGI_CLASSES, "dgi")):
+            found = {
+                o.name: class_shares(np.nan_to_num(o.eyes[view][key])[:, None], weights, classes)[:, 0]
+                for o in outcomes
+            }
+            title = f"{classes.index} at {view}, {study.hours.words}"
+            bars = class_bars(found, classes.names, ranges=classes.ranges, title=title)
+            made.append((f"{key}-{_slug(view)}", bars))
+    return made
+
+
+def _slug(name: str) -> str:
+    return "".join(c if c.isalnum() else "-" for c in name).strip("-") or "unnamed"

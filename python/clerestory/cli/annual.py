@@ -1,0 +1,109 @@
+"""`clerestory annual`: daylight and glare of a room over a year."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from clerestory.cli.common import JsonOption, UsageError, note, print_json, progress, say, table
+
+if TYPE_CHECKING:
+    from clerestory.annual.study import Study
+
+
+def annual(
+    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="Room, weather and data sets.")],
+    *,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FOLDER", help="For results.nc, tables and pictures."),
+    ] = None,
+    cache: Annotated[
+        Path | None,
+        typer.Option("--cache", metavar="FOLDER", help="Of matrices that are kept; $CLERESTORY_CACHE by default."),
+    ] = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Say what would be computed, and compute nothing.")
+    ] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Daylight autonomy, vertical illuminance and glare of a room over a year, for one data set after another.
+
+    Matrices of the room are kept, so that another data set in the same room takes seconds.
+
+    Example: clerestory annual study.toml -o results
+    """
+    from clerestory.annual import results
+    from clerestory.annual.study import load
+
+    if output is not None and output.exists() and not output.is_dir():
+        raise UsageError(f"{output}: is a file (give a folder)")
+    made = load(study, cache=cache)
+    for text in made.room.warnings:
+        note(f"warning: {text}")
+    if dry_run:
+        _tell_plan(made, as_json=as_json)
+        return
+    with progress("year") as tell:
+        outcomes = made.run(None if tell is None else lambda _, share: tell(share))
+    for text in made.cache.warnings:
+        note(f"warning: {text}")
+    found = results.summary(made, outcomes)
+    written = [] if output is None else results.write(made, outcomes, output)
+    if as_json:
+        print_json(
+            {
+                "weather": made.weather.source,
+                "hours": made.hours.words,
+                "method": made.recipe.method,
+                "data_sets": found,
+                "written": [str(path) for path in written],
+            }
+        )
+        return
+    say(f"{made.recipe.name or study.stem}: {made.weather.source}; {made.hours.words}; {made.recipe.method}")
+    say(table(_head(made), [_row(made, record) for record in found], left=1))
+    for path in written:
+        say(f"wrote {path}")
+
+
+def _head(study: Study) -> list[str]:
+    points = (
+        [f"DA {study.recipe.threshold_lx:g} lx", "sDA 300/50", "ASE 1000,250", "mean E"] if len(study.points) else []
+    )
+    views = [text for view in study.views for text in (f"E_v {view}", f"DGP 5 % {view}", "EN 17037")]
+    return ["data set", *points, *views]
+
+
+def _row(study: Study, record: dict[str, Any]) -> list[str]:
+    row = [str(record["data_set"])]
+    if len(study.points):
+        row += [f"{100.0 * record[key]:.1f} %" for key in ("daylight_autonomy", "sDA300_50", "ASE1000_250")]
+        row.append(f"{record['mean_illuminance_lx']:.0f} lx")
+    for view in study.views:
+        found = record["views"][view]
+        level = found["en17037_glare"] or "none"
+        row += [f"{found['mean_vertical_illuminance_lx']:.0f} lx", f"{found['dgp_exceeded_5']:.3f}", str(level)]
+    return row
+
+
+def _tell_plan(study: Study, *, as_json: bool) -> None:
+    steps, points = len(study.weather), len(study.points)
+    plan = {
+        "room": study.room.name,
+        "weather": study.weather.source,
+        "steps": steps,
+        "points": points,
+        "views": study.views,
+        "data_sets": list(study.data_sets),
+        "method": study.recipe.method,
+        "cache": str(study.cache.folder),
+        "memory_of_results_mb": round(4e-6 * steps * points * len(study.data_sets), 1),
+    }
+    if as_json:
+        print_json(plan)
+        return
+    for key, value in plan.items():
+        say(f"{key.replace('_', ' ')}: {', '.join(value) if isinstance(value, list) else value}")
