@@ -155,6 +155,20 @@ impl PyRoom {
             .collect()
     }
 
+    /// Of each window: the share of directions that see sky or ground from its face to the room, and from that to the
+    /// outside, and the surface in whose plane it lies without an opening there.
+    fn outlooks(&self, py: Python<'_>) -> Vec<(f64, f64, Option<String>)> {
+        let found = py.detach(|| self.0.outlooks());
+        found.into_iter().map(|o| (o.inside, o.outside, o.covered)).collect()
+    }
+
+    /// All around a point (metres): the share of directions that see sky or ground with nothing before them, the share that
+    /// see a window from the room, and the surface whose back is seen everywhere, as from within a body.
+    fn around(&self, point: [f64; 3]) -> (f64, f64, Option<String>) {
+        let found = self.0.around(vector(point));
+        (found.outside, found.windows, found.within)
+    }
+
     /// Irradiance at points (n, 3) that face along normals (n, 3), by so many paths each.
     #[pyo3(signature = (points, normals, samples, seed, report=None))]
     fn irradiance<'py>(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from clerestory.cli.common import (
+    CommandError,
     JsonOption,
     UsageError,
     list_shipped,
@@ -98,11 +99,15 @@ def render(
     if sensors is not None:
         if view is not None or glare:
             raise UsageError("--sensors goes without --view and --glare (run the command twice)")
+        for text in made.doubts(sensors=sensors):
+            note(f"warning: {scene}: {text}")
         with progress("tracing") as tell:
             found = made.illuminance(sensors, error=error / 100.0, samples=samples, seed=seed, progress=tell)
         _tell_illuminance(found, output, as_json=as_json)
         return
     chosen = _view(made, view, size)
+    for text in _view_doubts(made, view, chosen, glare=glare):
+        note(f"warning: {scene}: {text}")
     with progress("tracing") as tell:
         picture = made.picture(chosen, noise=noise / 100.0, samples=samples, seconds=seconds, seed=seed, progress=tell)
     if output is not None:
@@ -122,6 +127,24 @@ def _view(made: Room, name: str | None, size: str | None) -> View:
     if not (1 <= width <= 16384 and 1 <= height <= 16384):
         raise UsageError(f"--size {size}: not a size in pixels (give 1 to 16384 for both)")
     return chosen.model_copy(update={"size_px": [width, height]})
+
+
+def _view_doubts(made: Room, name: str | None, chosen: View, *, glare: bool) -> list[str]:
+    """What is doubtful about a view; a view that cannot be is an error before any path is followed."""
+    from clerestory import ClerestoryError
+    from clerestory.glare import Settings
+    from clerestory.glare.evaluate import view_doubts
+    from clerestory.picture import View as Shown
+    from clerestory.room.picture import options
+
+    name = next(iter(made.recipe.views)) if name is None else name
+    try:
+        shown = Shown(options(chosen))
+        if glare:
+            view_doubts(shown, Settings())
+    except ClerestoryError as error:
+        raise CommandError(f"view {name}: {str(error).removeprefix('view: ')}") from None
+    return made.doubts(view=name)
 
 
 def _write(picture: Rendering, output: Path, *, tone_mapped: bool) -> None:

@@ -17,6 +17,7 @@ from clerestory.room.builder import Quads, build
 from clerestory.room.files import Found, take
 from clerestory.room.recipe import LEVELS, Recipe
 from clerestory.room.shipped import ROOMS
+from clerestory.room.standing import of_points, of_windows
 from clerestory.trace.bands import Bands
 from clerestory.trace.keys import RecipeError, suggestion
 from clerestory.trace.materials import Spec
@@ -47,6 +48,8 @@ class WindowOf:
     corners: NDArray[np.float64]
     """(n, 3) [m], counter-clockwise as seen from the room."""
     system: str
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    """Upward direction of its data set, as near as its plane lets it be."""
 
 
 class Room:
@@ -104,6 +107,7 @@ class Room:
         self._core = self._made()
         for name, _, lacks in self._core.windows():
             self.warnings += [f"window {name}: {text}" for text in lacks]
+        self.warnings += of_windows(self._core)
 
     @property
     def name(self) -> str:
@@ -142,6 +146,17 @@ class Room:
         else:
             points = self._grid(sensors, f"sensors.{name}")
         return points, np.broadcast_to(np.array(sensors.normal, dtype=float), points.shape).copy()
+
+    def doubts(self, view: str | keys.View | None = None, sensors: str | None = None) -> list[str]:
+        """What is doubtful about the place of a view's eye, or of sensors: outside of the room, or within a body."""
+        found = []
+        if view is not None:
+            name = f"the eye of view {view}" if isinstance(view, str) else "the eye"
+            chosen = self.view(view) if isinstance(view, str) else view
+            found += of_points(self._core, [chosen.point_m], name)
+        if sensors is not None:
+            found += of_points(self._core, self.sensors(sensors)[0].tolist(), f"sensors {sensors}")
+        return found
 
     def illuminance(
         self,
@@ -271,9 +286,11 @@ class Room:
                 )
             numbers.append(self._surface(f"{geometry.file}: {name}", material, medium))
         self._shapes.scene(taken.scene, numbers)
-        for name, corners, system in taken.windows:
-            self.windows.append(WindowOf(name, corners, system.file or ""))
-            self._systems[system.file or ""] = system
+        for name, corners, system, up in taken.windows:
+            # One file can stand in a room in two treatments.
+            used = f"{system.file} ({system.treatment})"
+            self.windows.append(WindowOf(name, corners, used, up))
+            self._systems[used] = system
         self._lights += taken.lights
 
     def _added(self, name: str, found: Found) -> tuple[str, str]:
@@ -287,7 +304,7 @@ class Room:
     def _made(self) -> _core.Room:
         materials = [spec.for_core(self._specs) for spec in self._specs.values()]
         windows = [
-            (w.name, w.corners.tolist(), self._bsdfs[w.system][0]._core, self._bsdfs[w.system][1], [0.0, 0.0, 1.0])
+            (w.name, w.corners.tolist(), self._bsdfs[w.system][0]._core, self._bsdfs[w.system][1], list(w.up))
             for w in self.windows
         ]
         media = list(self._media.values())

@@ -13,6 +13,7 @@ mod path;
 mod picture;
 mod polygon;
 mod sensor;
+mod standing;
 #[cfg(test)]
 mod tests;
 mod window;
@@ -20,6 +21,7 @@ mod window;
 pub use field::Rgb;
 pub use picture::{Accumulated, Picture};
 pub use sensor::{Estimate, Sensor};
+pub use standing::{Around, Outlook};
 pub use window::{System, Window};
 
 use std::f64::consts::TAU;

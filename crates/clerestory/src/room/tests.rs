@@ -23,7 +23,7 @@ fn moment(altitude: f64, azimuth: f64) -> Moment {
 }
 
 /// The same radiance from everywhere.
-fn uniform() -> Sky {
+pub(super) fn uniform() -> Sky {
     let settings = Settings {
         ground_reflectance: 1.0,
         ..Settings::default()
@@ -51,7 +51,7 @@ fn system(transmission: &Model, reflection: f64) -> System {
     System::new(&bsdf, [None; 3], Vec3::new(0.0, 0.0, 1.0)).expect("a system")
 }
 
-fn open() -> System {
+pub(super) fn open() -> System {
     system(&Model::Specular(Specular::constant(1.0).expect("a share")), 0.0)
 }
 
@@ -62,19 +62,19 @@ fn diffuse(transmittance: f64) -> System {
     )
 }
 
-fn quad(scene: &mut Scene, corners: [Vec3; 4], surface: u32) {
+pub(super) fn quad(scene: &mut Scene, corners: [Vec3; 4], surface: u32) {
     let object = scene.object("wall");
     let [a, b, c, d] = corners;
     scene.push(Shape::Triangle([a, b, c]), surface, object);
     scene.push(Shape::Triangle([a, c, d]), surface, object);
 }
 
-fn v(x: f64, y: f64, z: f64) -> Vec3 {
+pub(super) fn v(x: f64, y: f64, z: f64) -> Vec3 {
     Vec3::new(x, y, z)
 }
 
 /// A cube of side 2 m, its middle at the origin, open to the south (y = -1), with walls of one reflectance.
-fn cube(reflectance: f64, system: System, sky: Sky) -> Room {
+pub(super) fn cube(reflectance: f64, system: System, sky: Sky) -> Room {
     let mut scene = Scene::default();
     let wall = scene.surface("wall");
     let p = |k: u32| {
@@ -89,7 +89,7 @@ fn cube(reflectance: f64, system: System, sky: Sky) -> Room {
     room(scene, &[reflectance], vec![("south".into(), window, system)], sky)
 }
 
-fn room(scene: Scene, reflectances: &[f64], windows: Vec<(String, Vec<Vec3>, System)>, sky: Sky) -> Room {
+pub(super) fn room(scene: Scene, reflectances: &[f64], windows: Vec<(String, Vec<Vec3>, System)>, sky: Sky) -> Room {
     let materials = reflectances
         .iter()
         .map(|r| Material::lambertian(&[*r; 3], &[0.0; 3]).expect("a material"));
