@@ -1,12 +1,14 @@
 //! Rooms with daylight.
 
+use std::fmt::Write;
 use std::sync::{Arc, Mutex};
 
 use clerestory::geometry::{Scene, Shape, Vec3};
 use clerestory::material::Surface;
 use clerestory::picture::{Camera, View};
 use clerestory::room::{Accumulated, Parts, Picture, Room, Sensor, System};
-use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
+use clerestory::sequence::mix;
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::arrays::rows;
@@ -30,6 +32,20 @@ fn vector([x, y, z]: [f64; 3]) -> Vec3 {
     Vec3::new(x, y, z)
 }
 
+/// Text as a number, without keeping the text.
+struct Mark(u64);
+
+impl std::fmt::Write for Mark {
+    fn write_str(&mut self, text: &str) -> std::fmt::Result {
+        for part in text.as_bytes().chunks(8) {
+            let mut bytes = [0; 8];
+            bytes[..part.len()].copy_from_slice(part);
+            self.0 = mix(self.0 ^ u64::from_le_bytes(bytes));
+        }
+        Ok(())
+    }
+}
+
 /// Shapes of a room, each with its surface.
 #[pyclass(name = "RoomShapes", module = "clerestory")]
 #[derive(Default)]
@@ -45,6 +61,14 @@ impl PyRoomShapes {
     /// Number of a surface; it is added if it is new.
     fn surface(&mut self, name: &str) -> u32 {
         self.0.surface(name)
+    }
+
+    /// A number that stands for all of the shapes: other ones have another, nearly surely.
+    fn mark(&self) -> u64 {
+        let mut mark = Mark(0);
+        // Writing to a number cannot fail.
+        let _ = write!(mark, "{:?} {:?}", self.0.surfaces, self.0.elements);
+        mark.0
     }
 
     /// Adds triangles: corners (n, 3) in metres, triangles (m, 3), under the name of an object.
@@ -253,6 +277,29 @@ impl PyRoomPicture {
         let found = self.found.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let sums = found.sums.iter().flatten().copied().collect();
         Ok((rows(py, sums, 3)?, PyArray1::from_slice(py, &found.squares)))
+    }
+
+    /// Goes on from the `sums` of a number of paths of every pixel.
+    fn restore(
+        &self,
+        sums: PyReadonlyArray2<'_, f64>,
+        squares: PyReadonlyArray1<'_, f64>,
+        samples: u32,
+    ) -> PyResult<()> {
+        let (sums, squares) = (sums.as_array(), squares.as_array());
+        let [width, height] = self.picture.size;
+        let finite = sums.iter().chain(squares).all(|x| x.is_finite());
+        if sums.dim() != (width * height, 3) || squares.len() != width * height || !finite {
+            return Err(ClerestoryError::new_err(
+                "the sums are not of a picture of this size (start anew)",
+            ));
+        }
+        *self.found.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Accumulated {
+            sums: sums.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect(),
+            squares: squares.to_vec(),
+            samples,
+        };
+        Ok(())
     }
 
     /// Radiance of the sun's disc (pixels, 3) as it is seen directly or through the beams of windows.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,9 +12,11 @@ from clerestory.cli.common import (
     CommandError,
     JsonOption,
     UsageError,
+    kept,
     list_shipped,
     note,
     numbers,
+    partial_of,
     print_json,
     progress,
     refuse_overwriting,
@@ -23,7 +26,9 @@ from clerestory.cli.common import (
 )
 
 if TYPE_CHECKING:
-    from clerestory.room import Illuminance, Rendering, Room, View
+    from collections.abc import Iterator
+
+    from clerestory.room import Illuminance, Rendering, Room, State, View
 
 PICTURES = (".hdr", ".pic", ".xyze", ".exr", ".png", ".pdf", ".svg")
 """Suffixes of pictures: of radiance, and in false colours."""
@@ -65,6 +70,7 @@ def render(
         bool, typer.Option("--tone-mapped", help="A .png, .pdf or .svg as people see it, not in false colours.")
     ] = False,
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Another seed gives an independent result.")] = 1,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the picture that Ctrl-C left behind.")] = False,
     list_all: Annotated[bool, typer.Option("--list", help="List the rooms that come with Clerestory.")] = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -96,6 +102,8 @@ def render(
     made = room.load(scene)
     for text in made.warnings:
         note(f"warning: {scene}: {text}")
+    if resume and (output is None or sensors is not None):
+        raise UsageError("--resume: only a picture with an output is kept (give -o OUT.hdr as before)")
     if sensors is not None:
         if view is not None or glare:
             raise UsageError("--sensors goes without --view and --glare (run the command twice)")
@@ -108,11 +116,34 @@ def render(
     chosen = _view(made, view, size)
     for text in _view_doubts(made, view, chosen, glare=glare):
         note(f"warning: {scene}: {text}")
-    with progress("tracing") as tell:
-        picture = made.picture(chosen, noise=noise / 100.0, samples=samples, seconds=seconds, seed=seed, progress=tell)
+    with _keeping(made, chosen, output, seed=seed, resume=resume) as state, progress("tracing") as tell:
+        picture = made.picture(
+            chosen, noise=noise / 100.0, samples=samples, seconds=seconds, seed=seed, state=state, progress=tell
+        )
     if output is not None:
         _write(picture, output, tone_mapped=tone_mapped)
     _tell_picture(picture, output, glare=glare, as_json=as_json)
+
+
+@contextmanager
+def _keeping(made: Room, view: View, output: Path | None, *, seed: int, resume: bool) -> Iterator[State]:
+    """The picture's paths so far, which are kept beside the output if Ctrl-C is pressed."""
+    from clerestory.room import State
+
+    if output is None:
+        yield State.new(made, view, seed=seed)
+        return
+    partial = partial_of(output, must_exist=resume)
+    state = State.load(partial, made, view, seed=seed) if resume else State.new(made, view, seed=seed)
+
+    def keep(path: Path) -> str:
+        if state.samples == 0:
+            return ""
+        state.save(path)
+        return f"{state.samples} paths a pixel are"
+
+    with kept(keep, output, resume=resume):
+        yield state
 
 
 def _view(made: Room, name: str | None, size: str | None) -> View:

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from clerestory.room import recipe as keys
     from clerestory.room.illuminance import Illuminance
     from clerestory.room.picture import Rendering
+    from clerestory.room.state import State
     from clerestory.sky import Sky
 
 CHANNELS = Bands(names=["red", "green", "blue"])
@@ -113,6 +114,20 @@ class Room:
     def name(self) -> str:
         """What it is called."""
         return self.recipe.name or "room"
+
+    @property
+    def files(self) -> list[Path]:
+        """Files of data sets that it scatters by: of windows, and of materials."""
+        named = [system.file for key, system in self._systems.items() if key in self._bsdfs]
+        named += [getattr(material, "file", None) for material in self.recipe.materials.values()]
+        return [self.folder / name for name in named if name is not None]
+
+    def content(self) -> list[object]:
+        """All that it is made of but for the data of its files: two rooms that differ have other contents."""
+        specs = [(name, spec.kind, spec.numbers, spec.parts) for name, spec in self._specs.items()]
+        windows = [(w.name, w.corners.tolist(), self._systems[w.system].model_dump(), w.up) for w in self.windows]
+        outside = [self.recipe.sky.model_dump(), self.recipe.place and self.recipe.place.model_dump()]
+        return [self._shapes.mark(), self._surfaces, specs, self._media, windows, self._lights, outside]
 
     def view(self, name: str) -> keys.View:
         """One of its views.
@@ -200,6 +215,7 @@ class Room:
         samples: int | None = None,
         seconds: float | None = None,
         seed: int = 1,
+        state: State | None = None,
         progress: Callable[[float], object] | None = None,
     ) -> Rendering:
         """A picture of radiance, with its noise.
@@ -216,13 +232,20 @@ class Room:
             Time after which no further pass is begun.
         seed
             Of the random numbers: the same seed and number of paths give the same picture for any number of threads.
+        state
+            What was found of the same picture before; it goes on from there, with the same result.
         progress
             Called with the share that is done.
         """
         from clerestory.room.picture import render
+        from clerestory.room.state import State, fingerprint
 
         chosen = self.view(view) if isinstance(view, str) else view
-        return render(self._core, chosen, noise=noise, samples=samples, seconds=seconds, seed=seed, progress=progress)
+        if state is None:
+            state = State.new(self, chosen, seed=seed)
+        elif state.fingerprint != fingerprint(self, chosen, seed):
+            raise _core.ClerestoryError("the state is of another picture (make one of this room, view and seed)")
+        return render(state.core, chosen, noise=noise, samples=samples, seconds=seconds, progress=progress)
 
     def _grid(self, sensors: keys.Sensors, key: str) -> NDArray[np.float64]:
         box, height = self.recipe.room, sensors.height_m
