@@ -193,6 +193,43 @@ impl PyRoom {
         (found.outside, found.windows, found.within)
     }
 
+    /// Radiance (pixels, 3) of a view (Radiance's options) that is known without following light; the sun's disc is not in it.
+    fn glance<'py>(
+        &self,
+        py: Python<'py>,
+        view: &str,
+        width: usize,
+        height: usize,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let camera = Camera::new(View::parse(view).map_err(raise)?).map_err(raise)?;
+        let found = py.detach(|| self.0.glance(&camera, [width, height]));
+        rows(py, found.into_iter().flatten().collect(), 3)
+    }
+
+    /// What lies in the pixels of a view, (pixels, 6): the share of surfaces that have no light of their own, and their mean
+    /// normal, distance (metres) and reflectance, each times that share.
+    fn features<'py>(
+        &self,
+        py: Python<'py>,
+        view: &str,
+        width: usize,
+        height: usize,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let camera = Camera::new(View::parse(view).map_err(raise)?).map_err(raise)?;
+        let found = py.detach(|| self.0.features(&camera, [width, height]));
+        let numbers = found.iter().flat_map(|f| {
+            let [x, y, z] = f.normal.array();
+            [f.share, x, y, z, f.distance, f.albedo]
+        });
+        rows(py, numbers.collect(), 6)
+    }
+
+    /// The sun from an eye (metres), directly or through beams: direction, radiance and solid angle (sr) of what is seen of it.
+    fn sun_seen(&self, eye: [f64; 3]) -> Option<([f64; 3], [f64; 3], f64)> {
+        let seen = self.0.sun_seen(vector(eye))?;
+        Some((seen.direction.array(), seen.radiance, seen.solid_angle))
+    }
+
     /// Irradiance at points (n, 3) that face along normals (n, 3), by so many paths each.
     #[pyo3(signature = (points, normals, samples, seed, report=None))]
     fn irradiance<'py>(

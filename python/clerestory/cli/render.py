@@ -28,6 +28,7 @@ from clerestory.cli.common import (
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from clerestory.glare import Evaluation
     from clerestory.room import Illuminance, Rendering, Room, State, View
 
 PICTURES = (".hdr", ".pic", ".xyze", ".exr", ".png", ".pdf", ".svg")
@@ -66,6 +67,10 @@ def render(
     glare: Annotated[
         bool, typer.Option("--glare", help="Rate the glare of the picture, as `clerestory glare` does.")
     ] = False,
+    no_picture: Annotated[
+        bool,
+        typer.Option("--no-picture", help="With --glare: find sources in the windows themselves, without a picture."),
+    ] = False,
     tone_mapped: Annotated[
         bool, typer.Option("--tone-mapped", help="A .png, .pdf or .svg as people see it, not in false colours.")
     ] = False,
@@ -102,6 +107,8 @@ def render(
     made = room.load(scene)
     for text in made.warnings:
         note(f"warning: {scene}: {text}")
+    if no_picture and (output is not None or not glare):
+        raise UsageError("--no-picture: it is for --glare alone (leave out -o, or this option)")
     if resume and (output is None or sensors is not None):
         raise UsageError("--resume: only a picture with an output is kept (give -o OUT.hdr as before)")
     if sensors is not None:
@@ -116,6 +123,11 @@ def render(
     chosen = _view(made, view, size)
     for text in _view_doubts(made, view, chosen, glare=glare):
         note(f"warning: {scene}: {text}")
+    if no_picture:
+        with progress("tracing") as tell:
+            rating = made.glare(chosen, error=error / 100.0, samples=samples, seed=seed, progress=tell)
+        _tell_glare(rating, as_json=as_json)
+        return
     with _keeping(made, chosen, output, seed=seed, resume=resume) as state, progress("tracing") as tell:
         picture = made.picture(
             chosen, noise=noise / 100.0, samples=samples, seconds=seconds, seed=seed, state=state, progress=tell
@@ -211,24 +223,38 @@ def _tell_picture(picture: Rendering, output: Path | None, *, glare: bool, as_js
         from clerestory.glare import evaluate
 
         found = evaluate(picture.picture())
-        result |= {
-            "dgp": found.dgp,
-            "dgi": found.dgi,
-            "ugr": found.ugr,
-            "vertical_illuminance": found.vertical_illuminance,
-            "glare_sources": len(found.sources),
-        }
-        lines.append(
-            f"E_v {found.vertical_illuminance:.0f} lx, DGP {found.dgp:.3f} ({found.dgp_class}), DGI {found.dgi:.1f} "
-            f"({found.dgi_class}), UGR {found.ugr:.1f}, {len(found.sources)} sources"
-        )
-        result["warnings"] = list(found.warnings)
-        lines += [f"warning: {text}" for text in found.warnings]
+        result |= _rated(found)
+        lines += [_glare_line(found), *(f"warning: {text}" for text in found.warnings)]
     if as_json:
         print_json(result)
         return
     for line in lines:
         say(line)
+
+
+def _rated(found: Evaluation) -> dict[str, object]:
+    return {
+        "dgp": found.dgp,
+        "dgi": found.dgi,
+        "ugr": found.ugr,
+        "vertical_illuminance": found.vertical_illuminance,
+        "glare_sources": len(found.sources),
+        "warnings": list(found.warnings),
+    }
+
+
+def _glare_line(found: Evaluation) -> str:
+    return (
+        f"E_v {found.vertical_illuminance:.0f} lx, DGP {found.dgp:.3f} ({found.dgp_class}), DGI {found.dgi:.1f} "
+        f"({found.dgi_class}), UGR {found.ugr:.1f}, {len(found.sources)} sources"
+    )
+
+
+def _tell_glare(found: Evaluation, *, as_json: bool) -> None:
+    if as_json:
+        print_json(_rated(found))
+    else:
+        say(_glare_line(found))
 
 
 def _tell_illuminance(found: Illuminance, output: Path | None, *, as_json: bool) -> None:

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from clerestory.bsdf import Bsdf
+    from clerestory.glare import Evaluation, Settings
     from clerestory.room import recipe as keys
     from clerestory.room.illuminance import Illuminance
     from clerestory.room.picture import Rendering
@@ -246,6 +247,47 @@ class Room:
         elif state.fingerprint != fingerprint(self, chosen, seed):
             raise _core.ClerestoryError("the state is of another picture (make one of this room, view and seed)")
         return render(state.core, chosen, noise=noise, samples=samples, seconds=seconds, progress=progress)
+
+    def glare(
+        self,
+        view: str | keys.View,
+        *,
+        error: float = 0.01,
+        samples: int | None = None,
+        seed: int = 1,
+        settings: Settings | None = None,
+        progress: Callable[[float], object] | None = None,
+    ) -> Evaluation:
+        """Glare at the eye of a view, without a picture.
+
+        Sources are found in what windows send and in what the sun lights, in directions half a degree apart; the sun
+        that is seen through a beam is a source of its own, exactly. Light between surfaces is spread over the whole
+        view, so that a surface which is bright by it alone is no source.
+
+        Parameters
+        ----------
+        view
+            A name of the recipe's views, or a view; what counts is where it looks.
+        error
+            Relative standard error of the illuminance at the eye to reach.
+        samples
+            Paths a direction, instead.
+        seed
+            Of the random numbers.
+        settings
+            Of the evaluation; those of `evalglare` 3.06 by default.
+        progress
+            Called with the share that is done.
+
+        Raises
+        ------
+        ClerestoryError
+            The settings need a picture.
+        """
+        from clerestory.room.glare import of_room
+
+        chosen = self.view(view) if isinstance(view, str) else view
+        return of_room(self, chosen, error=error, samples=samples, seed=seed, settings=settings, progress=progress)
 
     def _grid(self, sensors: keys.Sensors, key: str) -> NDArray[np.float64]:
         box, height = self.recipe.room, sensors.height_m

@@ -9,6 +9,7 @@
 
 mod emitter;
 mod field;
+mod glance;
 mod path;
 mod picture;
 mod polygon;
@@ -19,6 +20,7 @@ mod tests;
 mod window;
 
 pub use field::Rgb;
+pub use glance::{Cell, Feature, SunSeen};
 pub use picture::{Accumulated, Picture};
 pub use sensor::{Estimate, Sensor};
 pub use standing::{Around, Outlook};

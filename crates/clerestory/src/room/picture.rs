@@ -139,7 +139,7 @@ impl Picture {
 
 impl Room {
     /// What the beams of windows let pass straight on the way out; None where anything else is in the way.
-    fn passed(&self, mut ray: Ray) -> Option<Rgb> {
+    pub(super) fn passed(&self, mut ray: Ray) -> Option<Rgb> {
         let mut passed = [1.0; 3];
         loop {
             let Meeting::Hit(hit) = self.mesh.meet(&mut ray) else {

@@ -153,6 +153,17 @@ mod tests {
     fn walls_without_an_opening_and_bodies_are_found() {
         let mut scene = Scene::default();
         let wall = scene.surface("wall");
+        // A scene has an extent along x and y.
+        quad(
+            &mut scene,
+            [
+                v(-1.0, 1.0, -1.0),
+                v(1.0, 1.0, -1.0),
+                v(1.0, 2.0, -1.0),
+                v(-1.0, 2.0, -1.0),
+            ],
+            wall,
+        );
         let flat = |x: f64, y: f64, z: f64| v(2.0 * x - 1.0, y, 2.0 * z - 1.0);
         quad(
             &mut scene,

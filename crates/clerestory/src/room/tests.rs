@@ -32,7 +32,7 @@ pub(super) fn uniform() -> Sky {
     Sky::traditional(kind, false, &moment(40.0, 180.0), Level::Zenith(LUMINANCE), &settings).expect("a sky")
 }
 
-fn clear(altitude: f64, azimuth: f64) -> Sky {
+pub(super) fn clear(altitude: f64, azimuth: f64) -> Sky {
     let supply = crate::sky::perez::Supply::Irradiance {
         direct_normal: 800.0,
         diffuse_horizontal: 100.0,
@@ -55,7 +55,7 @@ pub(super) fn open() -> System {
     system(&Model::Specular(Specular::constant(1.0).expect("a share")), 0.0)
 }
 
-fn diffuse(transmittance: f64) -> System {
+pub(super) fn diffuse(transmittance: f64) -> System {
     system(
         &Model::Lambertian(Lambertian::new(transmittance).expect("a share")),
         0.0,
