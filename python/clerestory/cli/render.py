@@ -67,6 +67,13 @@ def render(
     glare: Annotated[
         bool, typer.Option("--glare", help="Rate the glare of the picture, as `clerestory glare` does.")
     ] = False,
+    denoise: Annotated[
+        bool,
+        typer.Option("--denoise", help="Average neighbours that differ by noise; glare is rated before that."),
+    ] = False,
+    glare_denoised: Annotated[
+        bool, typer.Option("--glare-denoised", help="With --denoise and --glare: rate the denoised picture.")
+    ] = False,
     no_picture: Annotated[
         bool,
         typer.Option("--no-picture", help="With --glare: find sources in the windows themselves, without a picture."),
@@ -107,6 +114,10 @@ def render(
     made = room.load(scene)
     for text in made.warnings:
         note(f"warning: {scene}: {text}")
+    if glare_denoised and not (denoise and glare):
+        raise UsageError("--glare-denoised: goes with --denoise and --glare (give them, too)")
+    if denoise and (no_picture or sensors is not None):
+        raise UsageError("--denoise: only a picture is denoised (leave out --sensors and --no-picture)")
     if no_picture and (output is not None or not glare):
         raise UsageError("--no-picture: it is for --glare alone (leave out -o, or this option)")
     if resume and (output is None or sensors is not None):
@@ -132,9 +143,10 @@ def render(
         picture = made.picture(
             chosen, noise=noise / 100.0, samples=samples, seconds=seconds, seed=seed, state=state, progress=tell
         )
+    shown = made.denoise(picture) if denoise else picture
     if output is not None:
-        _write(picture, output, tone_mapped=tone_mapped)
-    _tell_picture(picture, output, glare=glare, as_json=as_json)
+        _write(shown, output, tone_mapped=tone_mapped)
+    _tell_picture(picture, output, rated=(shown if glare_denoised else picture) if glare else None, as_json=as_json)
 
 
 @contextmanager
@@ -202,7 +214,7 @@ def _write(picture: Rendering, output: Path, *, tone_mapped: bool) -> None:
         made.write(output)
 
 
-def _tell_picture(picture: Rendering, output: Path | None, *, glare: bool, as_json: bool) -> None:
+def _tell_picture(picture: Rendering, output: Path | None, *, rated: Rendering | None, as_json: bool) -> None:
     luminance = picture.luminance
     result: dict[str, object] = {
         "output": output,
@@ -219,10 +231,10 @@ def _tell_picture(picture: Rendering, output: Path | None, *, glare: bool, as_js
         f"{100.0 * picture.relative_noise:.2g} %",
         f"luminance {luminance.mean():.0f} cd/m² on average, {luminance.max():.3g} cd/m² at most",
     ]
-    if glare:
+    if rated is not None:
         from clerestory.glare import evaluate
 
-        found = evaluate(picture.picture())
+        found = evaluate(rated.picture())
         result |= _rated(found)
         lines += [_glare_line(found), *(f"warning: {text}" for text in found.warnings)]
     if as_json:

@@ -129,6 +129,8 @@ def evaluate(picture: Picture, settings: Settings | None = None, *, view: View |
             "the picture does not say what it shows (give a view, such as -vta -vh 180 -vv 180)"
         )
     warnings = view_doubts(shown, settings)
+    if any(line.startswith("DENOISED=") for line in picture.header):
+        warnings.append("the picture is denoised: small sources may be smoothed away (rate it as it was before)")
     height, width = picture.shape
     lens = _lens(shown, width, height)
     sources, values, threshold, task, solid_angle, labels, more = lens.evaluate(picture._core, settings)

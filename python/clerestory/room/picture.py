@@ -52,6 +52,8 @@ class Rendering:
     """Paths a pixel."""
     seconds: float
     """That it took."""
+    denoised: bool = False
+    """Neighbours were averaged, see `Room.denoise`."""
 
     @property
     def luminance(self) -> NDArray[np.float64]:
@@ -64,6 +66,8 @@ class Rendering:
         from clerestory.picture import Picture, View
 
         header = [f"SOFTWARE= clerestory {__version__}", f"SAMPLES= {self.samples} paths a pixel"]
+        if self.denoised:
+            header.append("DENOISED= non-local means within surfaces")
         return Picture(self.radiance, View(self.view), header=header)
 
     @property

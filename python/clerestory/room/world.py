@@ -248,6 +248,12 @@ class Room:
             raise _core.ClerestoryError("the state is of another picture (make one of this room, view and seed)")
         return render(state.core, chosen, noise=noise, samples=samples, seconds=seconds, progress=progress)
 
+    def denoise(self, picture: Rendering) -> Rendering:
+        """A picture of this room with neighbours averaged where they differ by noise: for eyes, not for glare."""
+        from clerestory.room.denoise import denoise
+
+        return denoise(self._core, picture)
+
     def glare(
         self,
         view: str | keys.View,
