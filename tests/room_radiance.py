@@ -71,6 +71,13 @@ def tables(system: dict[str, Any], *, sun: bool, sky: bool) -> dict[str, Any]:
     }
 
 
+def glass(transmittance: float) -> str:
+    """The window's material for a clear pane: Radiance's transmissivity of a transmittance, for its index of 1.52."""
+    root = math.sqrt(0.8402528435 + 0.0072522239 * transmittance**2)
+    transmissivity = (root - 0.9166530661) / 0.0036261119 / transmittance
+    return f"void glass window 0 0 3 {transmissivity} {transmissivity} {transmissivity}"
+
+
 def octree(room: Room, material: str, folder: Path, *, sun: bool, sky: bool) -> None:
     """The scene with the window's material, which is called `window`, as `scene.oct` in a folder."""
     altitude, azimuth = SUN
@@ -103,9 +110,21 @@ def _sun_alone() -> str:
 
 def illuminance(folder: Path, points: np.ndarray, normals: np.ndarray, *, divisions: int, bounces: int) -> np.ndarray:
     """Illuminance (n,) [lx] by rtrace without its ambient cache."""
-    rows = "\n".join(" ".join(f"{v:.9g}" for v in (*p, *n)) for p, n in zip(points, normals, strict=True))
-    options = f"-h -I -n 2 -ab {bounces} -ad {divisions} -as 0 -aa 0 -lw {0.1 / divisions:.3g} -lr -{bounces + 4}"
+    return _traced(folder, points, normals, "-I", divisions=divisions, bounces=bounces)
+
+
+def luminance(folder: Path, eye: np.ndarray, directions: np.ndarray, *, divisions: int, bounces: int) -> np.ndarray:
+    """Luminance (n,) [cd/m²] by rtrace without its ambient cache, from an eye (3,) along directions (n, 3)."""
+    return _traced(folder, np.broadcast_to(eye, directions.shape), directions, divisions=divisions, bounces=bounces)
+
+
+def _traced(
+    folder: Path, origins: np.ndarray, directions: np.ndarray, *more: str, divisions: int, bounces: int
+) -> np.ndarray:
+    """Photometric values of rays by rtrace: every ambient value is computed anew, and paths end by chance."""
+    rows = "\n".join(" ".join(f"{v:.9g}" for v in (*p, *d)) for p, d in zip(origins, directions, strict=True))
+    options = f"-h -n 2 -ab {bounces} -ad {divisions} -as 0 -aa 0 -lw {0.1 / divisions:.3g} -lr -{bounces + 4}"
     quality = "-ds .05 -dj .8 -dt 0 -dc 1 -st 0 -ss 4 -u+"
-    found = run("rtrace", *options.split(), *quality.split(), "scene.oct", folder=folder, data=rows)
+    found = run("rtrace", *more, *options.split(), *quality.split(), "scene.oct", folder=folder, data=rows)
     values = np.array([[float(v) for v in line.split()] for line in found.decode().splitlines() if line.strip()])
     return np.asarray(EFFICACY * values @ WEIGHTS)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -59,9 +58,7 @@ def both(case: Case, folder: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray, 
     """Values and standard errors of ours, and of the other program's runs."""
     if case.file is None:
         system: dict[str, Any] = {"glass": 0.8}
-        # Radiance's transmissivity of a transmittance of 0.8, for its index of 1.52.
-        transmissivity = (math.sqrt(0.8402528435 + 0.0072522239 * 0.8**2) - 0.9166530661) / 0.0036261119 / 0.8
-        material = f"void glass window 0 0 3 {transmissivity} {transmissivity} {transmissivity}"
+        material = room_radiance.glass(0.8)
     else:
         root = sample_root()
         if root is None:

@@ -1,12 +1,14 @@
 //! Rooms with daylight.
 
+use std::fmt::Write;
 use std::sync::{Arc, Mutex};
 
 use clerestory::geometry::{Scene, Shape, Vec3};
 use clerestory::material::Surface;
 use clerestory::picture::{Camera, View};
 use clerestory::room::{Accumulated, Parts, Picture, Room, Sensor, System};
-use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
+use clerestory::sequence::mix;
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -31,6 +33,20 @@ fn vector([x, y, z]: [f64; 3]) -> Vec3 {
     Vec3::new(x, y, z)
 }
 
+/// Text as a number, without keeping the text.
+struct Mark(u64);
+
+impl std::fmt::Write for Mark {
+    fn write_str(&mut self, text: &str) -> std::fmt::Result {
+        for part in text.as_bytes().chunks(8) {
+            let mut bytes = [0; 8];
+            bytes[..part.len()].copy_from_slice(part);
+            self.0 = mix(self.0 ^ u64::from_le_bytes(bytes));
+        }
+        Ok(())
+    }
+}
+
 /// Shapes of a room, each with its surface.
 #[pyclass(name = "RoomShapes", module = "clerestory")]
 #[derive(Default)]
@@ -46,6 +62,14 @@ impl PyRoomShapes {
     /// Number of a surface; it is added if it is new.
     fn surface(&mut self, name: &str) -> u32 {
         self.0.surface(name)
+    }
+
+    /// A number that stands for all of the shapes: other ones have another, nearly surely.
+    fn mark(&self) -> u64 {
+        let mut mark = Mark(0);
+        // Writing to a number cannot fail.
+        let _ = write!(mark, "{:?} {:?}", self.0.surfaces, self.0.elements);
+        mark.0
     }
 
     /// Adds triangles: corners (n, 3) in metres, triangles (m, 3), under the name of an object.
@@ -172,6 +196,57 @@ impl PyRoom {
             .collect()
     }
 
+    /// Of each window: the share of directions that see sky or ground from its face to the room, and from that to the
+    /// outside, and the surface in whose plane it lies without an opening there.
+    fn outlooks(&self, py: Python<'_>) -> Vec<(f64, f64, Option<String>)> {
+        let found = py.detach(|| self.0.outlooks());
+        found.into_iter().map(|o| (o.inside, o.outside, o.covered)).collect()
+    }
+
+    /// All around a point (metres): the share of directions that see sky or ground with nothing before them, the share that
+    /// see a window from the room, and the surface whose back is seen everywhere, as from within a body.
+    fn around(&self, point: [f64; 3]) -> (f64, f64, Option<String>) {
+        let found = self.0.around(vector(point));
+        (found.outside, found.windows, found.within)
+    }
+
+    /// Radiance (pixels, 3) of a view (Radiance's options) that is known without following light; the sun's disc is not in it.
+    fn glance<'py>(
+        &self,
+        py: Python<'py>,
+        view: &str,
+        width: usize,
+        height: usize,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let camera = Camera::new(View::parse(view).map_err(raise)?).map_err(raise)?;
+        let found = py.detach(|| self.0.glance(&camera, [width, height]));
+        rows(py, found.into_iter().flatten().collect(), 3)
+    }
+
+    /// What lies in the pixels of a view, (pixels, 6): the share of surfaces that have no light of their own, and their mean
+    /// normal, distance (metres) and reflectance, each times that share.
+    fn features<'py>(
+        &self,
+        py: Python<'py>,
+        view: &str,
+        width: usize,
+        height: usize,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let camera = Camera::new(View::parse(view).map_err(raise)?).map_err(raise)?;
+        let found = py.detach(|| self.0.features(&camera, [width, height]));
+        let numbers = found.iter().flat_map(|f| {
+            let [x, y, z] = f.normal.array();
+            [f.share, x, y, z, f.distance, f.albedo]
+        });
+        rows(py, numbers.collect(), 6)
+    }
+
+    /// The sun from an eye (metres), directly or through beams: direction, radiance and solid angle (sr) of what is seen of it.
+    fn sun_seen(&self, eye: [f64; 3]) -> Option<([f64; 3], [f64; 3], f64)> {
+        let seen = self.0.sun_seen(vector(eye))?;
+        Some((seen.direction.array(), seen.radiance, seen.solid_angle))
+    }
+
     /// Irradiance at points (n, 3) that face along normals (n, 3), by so many paths each.
     #[pyo3(signature = (points, normals, samples, seed, report=None))]
     fn irradiance<'py>(
@@ -256,6 +331,29 @@ impl PyRoomPicture {
         let found = self.found.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let sums = found.sums.iter().flatten().copied().collect();
         Ok((rows(py, sums, 3)?, PyArray1::from_slice(py, &found.squares)))
+    }
+
+    /// Goes on from the `sums` of a number of paths of every pixel.
+    fn restore(
+        &self,
+        sums: PyReadonlyArray2<'_, f64>,
+        squares: PyReadonlyArray1<'_, f64>,
+        samples: u32,
+    ) -> PyResult<()> {
+        let (sums, squares) = (sums.as_array(), squares.as_array());
+        let [width, height] = self.picture.size;
+        let finite = sums.iter().chain(squares).all(|x| x.is_finite());
+        if sums.dim() != (width * height, 3) || squares.len() != width * height || !finite {
+            return Err(ClerestoryError::new_err(
+                "the sums are not of a picture of this size (start anew)",
+            ));
+        }
+        *self.found.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Accumulated {
+            sums: sums.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect(),
+            squares: squares.to_vec(),
+            samples,
+        };
+        Ok(())
     }
 
     /// Radiance of the sun's disc (pixels, 3) as it is seen directly or through the beams of windows.

@@ -209,7 +209,7 @@ impl PyWindowGroups {
     ) -> PyResult<Bound<'py, PyArray2<u16>>> {
         let (points, directions) = (vectors(&points)?, vectors(&directions)?);
         let found = watched(py, report.as_ref(), |progress| {
-            self.room.outlooks(&points, &directions, progress)
+            self.room.windows_towards(&points, &directions, progress)
         })?;
         PyArray1::from_vec(py, found).reshape([points.len(), directions.len()])
     }
@@ -226,7 +226,7 @@ impl PyWindowGroups {
         let [x, y, z] = point;
         let (directions, suns) = (vectors(&directions)?, vectors(&suns)?);
         let found = watched(py, None, |progress| {
-            self.room.sunlit(Vec3::new(x, y, z), &directions, &suns, progress)
+            self.room.lit_by_suns(Vec3::new(x, y, z), &directions, &suns, progress)
         })?;
         let shape = [directions.len(), suns.len()];
         Ok((

@@ -24,9 +24,7 @@ def annual(
         Path | None,
         typer.Option("--cache", metavar="FOLDER", help="Of matrices that are kept; $CLERESTORY_CACHE by default."),
     ] = None,
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Say what would be computed, and compute nothing.")
-    ] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only say what would be computed.")] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Daylight autonomy, vertical illuminance and glare of a room over a year, for one data set after another.

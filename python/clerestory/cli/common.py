@@ -241,6 +241,35 @@ def write_whole(path: Path | str, data: bytes | str) -> None:
     write(path, data.encode("utf-8") if isinstance(data, str) else data)
 
 
+@contextmanager
+def kept(keep: Callable[[Path], str], output: Path, *, resume: bool) -> Iterator[None]:
+    """Keep what was finished if Ctrl-C is pressed, and drop it when all is done.
+
+    `keep` writes it to a file and tells how much it is, such as `12 of 82 parts are`; nothing if there is nothing.
+    """
+    partial = partial_of(output)
+    try:
+        yield
+    except KeyboardInterrupt:
+        told = keep(partial)
+        if told:
+            note(f"note: {told} kept in {partial} (the same command with --resume goes on)")
+        raise
+    if resume:
+        partial.unlink(missing_ok=True)
+
+
+def partial_of(output: Path, *, must_exist: bool = False) -> Path:
+    """Where interrupted work is kept until its output can be written."""
+    name = output.name
+    for suffix in (".bsdf.npz", ".xml.gz", output.suffix):
+        name = name.removesuffix(suffix)
+    partial = output.with_name(f"{name}.partial.npz")
+    if must_exist and not partial.exists():
+        raise UsageError(f"--resume: there is no {partial} (leave --resume out to start)")
+    return partial
+
+
 def refuse_overwriting(output: Path, inputs: Sequence[Path]) -> None:
     """Fail if an output is one of the inputs."""
     for path in inputs:

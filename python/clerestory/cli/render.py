@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from clerestory.cli.common import (
+    CommandError,
     JsonOption,
     UsageError,
+    kept,
     list_shipped,
     note,
     numbers,
+    partial_of,
     print_json,
     progress,
     refuse_overwriting,
@@ -22,7 +26,10 @@ from clerestory.cli.common import (
 )
 
 if TYPE_CHECKING:
-    from clerestory.room import Illuminance, Rendering, Room, View
+    from collections.abc import Iterator
+
+    from clerestory.glare import Evaluation
+    from clerestory.room import Illuminance, Rendering, Room, State, View
 
 PICTURES = (".hdr", ".pic", ".xyze", ".exr", ".png", ".pdf", ".svg")
 """Suffixes of pictures: of radiance, and in false colours."""
@@ -60,10 +67,22 @@ def render(
     glare: Annotated[
         bool, typer.Option("--glare", help="Rate the glare of the picture, as `clerestory glare` does.")
     ] = False,
+    denoise: Annotated[
+        bool,
+        typer.Option("--denoise", help="Average neighbours that differ by noise; glare is rated before that."),
+    ] = False,
+    glare_denoised: Annotated[
+        bool, typer.Option("--glare-denoised", help="With --denoise and --glare: rate the denoised picture.")
+    ] = False,
+    no_picture: Annotated[
+        bool,
+        typer.Option("--no-picture", help="With --glare: find sources in the windows themselves, without a picture."),
+    ] = False,
     tone_mapped: Annotated[
         bool, typer.Option("--tone-mapped", help="A .png, .pdf or .svg as people see it, not in false colours.")
     ] = False,
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Another seed gives an independent result.")] = 1,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the picture that Ctrl-C left behind.")] = False,
     list_all: Annotated[bool, typer.Option("--list", help="List the rooms that come with Clerestory.")] = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -95,19 +114,60 @@ def render(
     made = room.load(scene)
     for text in made.warnings:
         note(f"warning: {scene}: {text}")
+    if glare_denoised and not (denoise and glare):
+        raise UsageError("--glare-denoised: goes with --denoise and --glare (give them, too)")
+    if denoise and (no_picture or sensors is not None):
+        raise UsageError("--denoise: only a picture is denoised (leave out --sensors and --no-picture)")
+    if no_picture and (output is not None or not glare):
+        raise UsageError("--no-picture: it is for --glare alone (leave out -o, or this option)")
+    if resume and (output is None or sensors is not None):
+        raise UsageError("--resume: only a picture with an output is kept (give -o OUT.hdr as before)")
     if sensors is not None:
         if view is not None or glare:
             raise UsageError("--sensors goes without --view and --glare (run the command twice)")
+        for text in made.doubts(sensors=sensors):
+            note(f"warning: {scene}: {text}")
         with progress("tracing") as tell:
             found = made.illuminance(sensors, error=error / 100.0, samples=samples, seed=seed, progress=tell)
         _tell_illuminance(found, output, as_json=as_json)
         return
     chosen = _view(made, view, size)
-    with progress("tracing") as tell:
-        picture = made.picture(chosen, noise=noise / 100.0, samples=samples, seconds=seconds, seed=seed, progress=tell)
+    for text in _view_doubts(made, view, chosen, glare=glare):
+        note(f"warning: {scene}: {text}")
+    if no_picture:
+        with progress("tracing") as tell:
+            rating = made.glare(chosen, error=error / 100.0, samples=samples, seed=seed, progress=tell)
+        _tell_glare(rating, as_json=as_json)
+        return
+    with _keeping(made, chosen, output, seed=seed, resume=resume) as state, progress("tracing") as tell:
+        picture = made.picture(
+            chosen, noise=noise / 100.0, samples=samples, seconds=seconds, seed=seed, state=state, progress=tell
+        )
+    shown = made.denoise(picture) if denoise else picture
     if output is not None:
-        _write(picture, output, tone_mapped=tone_mapped)
-    _tell_picture(picture, output, glare=glare, as_json=as_json)
+        _write(shown, output, tone_mapped=tone_mapped)
+    _tell_picture(picture, output, rated=(shown if glare_denoised else picture) if glare else None, as_json=as_json)
+
+
+@contextmanager
+def _keeping(made: Room, view: View, output: Path | None, *, seed: int, resume: bool) -> Iterator[State]:
+    """The picture's paths so far, which are kept beside the output if Ctrl-C is pressed."""
+    from clerestory.room import State
+
+    if output is None:
+        yield State.new(made, view, seed=seed)
+        return
+    partial = partial_of(output, must_exist=resume)
+    state = State.load(partial, made, view, seed=seed) if resume else State.new(made, view, seed=seed)
+
+    def keep(path: Path) -> str:
+        if state.samples == 0:
+            return ""
+        state.save(path)
+        return f"{state.samples} paths a pixel are"
+
+    with kept(keep, output, resume=resume):
+        yield state
 
 
 def _view(made: Room, name: str | None, size: str | None) -> View:
@@ -124,6 +184,24 @@ def _view(made: Room, name: str | None, size: str | None) -> View:
     return chosen.model_copy(update={"size_px": [width, height]})
 
 
+def _view_doubts(made: Room, name: str | None, chosen: View, *, glare: bool) -> list[str]:
+    """What is doubtful about a view; a view that cannot be is an error before any path is followed."""
+    from clerestory import ClerestoryError
+    from clerestory.glare import Settings
+    from clerestory.glare.evaluate import view_doubts
+    from clerestory.picture import View as Shown
+    from clerestory.room.picture import options
+
+    name = next(iter(made.recipe.views)) if name is None else name
+    try:
+        shown = Shown(options(chosen))
+        if glare:
+            view_doubts(shown, Settings())
+    except ClerestoryError as error:
+        raise CommandError(f"view {name}: {str(error).removeprefix('view: ')}") from None
+    return made.doubts(view=name)
+
+
 def _write(picture: Rendering, output: Path, *, tone_mapped: bool) -> None:
     from clerestory.picture import falsecolour
     from clerestory.picture import tone_mapped as as_seen
@@ -136,7 +214,7 @@ def _write(picture: Rendering, output: Path, *, tone_mapped: bool) -> None:
         made.write(output)
 
 
-def _tell_picture(picture: Rendering, output: Path | None, *, glare: bool, as_json: bool) -> None:
+def _tell_picture(picture: Rendering, output: Path | None, *, rated: Rendering | None, as_json: bool) -> None:
     luminance = picture.luminance
     result: dict[str, object] = {
         "output": output,
@@ -153,28 +231,42 @@ def _tell_picture(picture: Rendering, output: Path | None, *, glare: bool, as_js
         f"{100.0 * picture.relative_noise:.2g} %",
         f"luminance {luminance.mean():.0f} cd/m² on average, {luminance.max():.3g} cd/m² at most",
     ]
-    if glare:
+    if rated is not None:
         from clerestory.glare import evaluate
 
-        found = evaluate(picture.picture())
-        result |= {
-            "dgp": found.dgp,
-            "dgi": found.dgi,
-            "ugr": found.ugr,
-            "vertical_illuminance": found.vertical_illuminance,
-            "glare_sources": len(found.sources),
-        }
-        lines.append(
-            f"E_v {found.vertical_illuminance:.0f} lx, DGP {found.dgp:.3f} ({found.dgp_class}), DGI {found.dgi:.1f} "
-            f"({found.dgi_class}), UGR {found.ugr:.1f}, {len(found.sources)} sources"
-        )
-        result["warnings"] = list(found.warnings)
-        lines += [f"warning: {text}" for text in found.warnings]
+        found = evaluate(rated.picture())
+        result |= _rated(found)
+        lines += [_glare_line(found), *(f"warning: {text}" for text in found.warnings)]
     if as_json:
         print_json(result)
         return
     for line in lines:
         say(line)
+
+
+def _rated(found: Evaluation) -> dict[str, object]:
+    return {
+        "dgp": found.dgp,
+        "dgi": found.dgi,
+        "ugr": found.ugr,
+        "vertical_illuminance": found.vertical_illuminance,
+        "glare_sources": len(found.sources),
+        "warnings": list(found.warnings),
+    }
+
+
+def _glare_line(found: Evaluation) -> str:
+    return (
+        f"E_v {found.vertical_illuminance:.0f} lx, DGP {found.dgp:.3f} ({found.dgp_class}), DGI {found.dgi:.1f} "
+        f"({found.dgi_class}), UGR {found.ugr:.1f}, {len(found.sources)} sources"
+    )
+
+
+def _tell_glare(found: Evaluation, *, as_json: bool) -> None:
+    if as_json:
+        print_json(_rated(found))
+    else:
+        say(_glare_line(found))
 
 
 def _tell_illuminance(found: Illuminance, output: Path | None, *, as_json: bool) -> None:

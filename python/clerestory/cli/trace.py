@@ -13,10 +13,12 @@ from clerestory.cli.common import (
     JsonOption,
     UsageError,
     angle_pair,
+    kept,
     list_shipped,
     note,
     numbers,
     one_of,
+    partial_of,
     print_json,
     refuse_overwriting,
     say,
@@ -283,27 +285,15 @@ def _bar() -> Iterator[Callable[[float, float | None], None]]:
         yield tell
 
 
-@contextmanager
-def _kept(state: State, output: Path, *, resume: bool) -> Iterator[None]:
-    """Keep what was finished if Ctrl-C is pressed; drop it when all is done."""
-    partial = _partial(output)
-    try:
-        yield
-    except KeyboardInterrupt:
+def _keeper(state: State) -> Callable[[Path], str]:
+    """What keeps a measurement in a file, and tells how much of it."""
+
+    def keep(path: Path) -> str:
         finished, count = state.done
-        state.save(partial)
-        note(f"note: {finished} of {count} parts are kept in {partial} (the same command with --resume goes on)")
-        raise
-    if resume:
-        partial.unlink(missing_ok=True)
+        state.save(path)
+        return f"{finished} of {count} parts are"
 
-
-def _partial(output: Path) -> Path:
-    """Where an interrupted measurement is kept."""
-    name = output.name
-    for suffix in (".bsdf.npz", ".xml.gz", output.suffix):
-        name = name.removesuffix(suffix) if name.endswith(suffix) else name
-    return output.with_name(f"{name}.partial.npz")
+    return keep
 
 
 def _state(made: Sample, settings: Settings, output: Path, incident: Any = None, *, resume: bool) -> State:  # noqa: ANN401
@@ -311,9 +301,7 @@ def _state(made: Sample, settings: Settings, output: Path, incident: Any = None,
 
     if not resume:
         return State.new(made, settings, incident)
-    partial = _partial(output)
-    if not partial.exists():
-        raise UsageError(f"--resume: there is no {partial} (leave --resume out to start)")
+    partial = partial_of(output, must_exist=True)
     return State.load(partial, made, settings, incident)
 
 
@@ -324,7 +312,7 @@ def _measure(
     from clerestory.trace.export import culled
 
     state = _state(made, settings, output, resume=resume)
-    with _kept(state, output, resume=resume), _bar() as tell:
+    with kept(_keeper(state), output, resume=resume), _bar() as tell:
         measured = run(made, settings, state=state, progress=tell)
     bsdf = measured.bsdf if cull is None else culled(measured.bsdf, cull)
     notes = [text for text in bsdf.write(output) if "standard errors" not in text]
@@ -390,7 +378,7 @@ def _scan(
 
     towards = _directions(listed, sides)
     state = _state(made, settings, output, towards, resume=resume)
-    with _kept(state, output, resume=resume), _bar() as tell:
+    with kept(_keeper(state), output, resume=resume), _bar() as tell:
         seen, balance = scan(made, towards, settings, state=state, progress=tell)
     write_whole(output, scan_table(seen, settings.patches).encode())
     if not quiet:

@@ -128,7 +128,9 @@ def evaluate(picture: Picture, settings: Settings | None = None, *, view: View |
         raise _core.MissingDataError(
             "the picture does not say what it shows (give a view, such as -vta -vh 180 -vv 180)"
         )
-    warnings = _doubts(shown, settings)
+    warnings = view_doubts(shown, settings)
+    if any(line.startswith("DENOISED=") for line in picture.header):
+        warnings.append("the picture is denoised: small sources may be smoothed away (rate it as it was before)")
     height, width = picture.shape
     lens = _lens(shown, width, height)
     sources, values, threshold, task, solid_angle, labels, more = lens.evaluate(picture._core, settings)
@@ -151,8 +153,14 @@ def _lens(view: View, width: int, height: int) -> _core.GlareLens:
     return _core.GlareLens(view._core, width, height)
 
 
-def _doubts(view: View, settings: Settings) -> list[str]:
-    """What a view is not good for."""
+def view_doubts(view: View, settings: Settings) -> list[str]:
+    """What a view is not good for.
+
+    Raises
+    ------
+    ClerestoryError
+        Its pictures cannot be rated at all.
+    """
     measured = settings.vertical_illuminance is not None
     if view.projection in "vl" and not measured:
         raise _core.ClerestoryError(

@@ -15,6 +15,7 @@ from clerestory.room.illuminance import Illuminance
 from clerestory.room.picture import Rendering
 from clerestory.room.recipe import Recipe, View
 from clerestory.room.shipped import names
+from clerestory.room.state import State
 from clerestory.room.world import Room, load
 
-__all__ = ["Illuminance", "Recipe", "Rendering", "Room", "View", "load", "names"]
+__all__ = ["Illuminance", "Recipe", "Rendering", "Room", "State", "View", "load", "names"]

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from clerestory.room.scene import Light
     from clerestory.trace.kinds.radiance import Found as Material
 
 SCENES = (".rad", ".obj")
@@ -44,8 +43,10 @@ class Taken:
     """By the scene's surfaces; None where the file does not say."""
     elsewhere: set[str] = field(default_factory=set)
     """Surfaces that are windows or lights."""
-    windows: list[tuple[str, NDArray[np.float64], keys.System]] = field(default_factory=list)
-    """Name, corners (n, 3) [m], system."""
+    windows: list[tuple[str, NDArray[np.float64], keys.System, tuple[float, float, float]]] = field(
+        default_factory=list
+    )
+    """Name, corners (n, 3) [m], system, and the upward direction of its data set."""
     lights: list[tuple[str, list[list[float]], list[float]]] = field(default_factory=list)
     """Name, corners [m], radiance [W/(m² sr)]."""
     warnings: list[str] = field(default_factory=list)
@@ -92,26 +93,29 @@ def _of_scene(scene: RoomScene, path: Path, key: str) -> Taken:
                 raise RecipeError(f"{key}.file: {path}: {found.file} of {found.surface} was not found (put it beside)")
             treatment: keys.Treatment = "high-peaks" if found.peaks else "high"
             system = keys.System(file=str(found.path.resolve()), treatment=treatment)
-            taken.windows.append((polygon.name, polygon.corners, system))
+            taken.windows.append((polygon.name, polygon.corners, system, found.up))
             if any(any(part) for part in found.added):
                 taken.warnings.append(f"{found.surface}: the even scattering that it adds to its file is left out")
+            if found.thickness != 0.0:
+                taken.warnings.append(
+                    f"{polygon.name}: its data set stands for the shapes within {abs(found.thickness):g} m of it, but "
+                    "here light meets both (leave the shapes out)"
+                )
         elif polygon.surface in lights:
-            radiance = _radiance(lights[polygon.surface], path, key)
-            taken.lights.append((polygon.name, polygon.corners.tolist(), radiance))
+            light = lights[polygon.surface]
+            dark = light.kind == "spotlight"
+            if dark:
+                taken.warnings.append(
+                    f"{polygon.name}: the spotlight {light.surface} is left dark, as electric light that no daylight "
+                    "needs (make it a light to have it shine to all sides)"
+                )
+            taken.lights.append((polygon.name, polygon.corners.tolist(), [0.0] * 3 if dark else list(light.radiance)))
     if scene.skies or scene.sources:
         taken.warnings.append("its sky and sun are not used: the recipe's are")
     taken.surfaces = [None if m.name in taken.elsewhere else _translated(m, key) for m in scene.materials] or [
         None
     ] * len(scene.surfaces)
     return taken
-
-
-def _radiance(light: Light, path: Path, key: str) -> list[float]:
-    if light.kind == "spotlight":
-        raise RecipeError(
-            f"{key}.file: {path}: spotlight {light.surface} cannot be followed (make it a light, or leave it out)"
-        )
-    return list(light.radiance)
 
 
 def _translated(material: Material, key: str) -> Found:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clerestory import _core
 from clerestory._core import ClerestoryError
 from clerestory.photometry import EFFICACY, LUMINANCE
 
@@ -17,6 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from clerestory import _core
     from clerestory.picture import Picture
     from clerestory.room import recipe as keys
 
@@ -29,8 +29,10 @@ PROJECTIONS = {
     "cylindrical": "c",
 }
 """Radiance's letters."""
-PASS = 4
-"""Paths a pixel of a pass."""
+PASS, PASS_PATHS = 4, 1 << 20
+"""Paths a pixel of a pass, at most; and about how many in all, so that an interruption loses little."""
+LEAST = 2
+"""Paths a pixel of the first pass, from which noise is known."""
 MOST = 1 << 20
 """Paths a pixel, at most."""
 
@@ -50,6 +52,8 @@ class Rendering:
     """Paths a pixel."""
     seconds: float
     """That it took."""
+    denoised: bool = False
+    """Neighbours were averaged, see `Room.denoise`."""
 
     @property
     def luminance(self) -> NDArray[np.float64]:
@@ -62,6 +66,8 @@ class Rendering:
         from clerestory.picture import Picture, View
 
         header = [f"SOFTWARE= clerestory {__version__}", f"SAMPLES= {self.samples} paths a pixel"]
+        if self.denoised:
+            header.append("DENOISED= non-local means within surfaces")
         return Picture(self.radiance, View(self.view), header=header)
 
     @property
@@ -85,13 +91,12 @@ def options(view: keys.View) -> str:
 
 
 def render(
-    core: _core.Room,
+    picture: _core.RoomPicture,
     view: keys.View,
     *,
     noise: float,
     samples: int | None,
     seconds: float | None,
-    seed: int,
     progress: Callable[[float], object] | None,
 ) -> Rendering:
     """See `Room.picture`."""
@@ -102,32 +107,28 @@ def render(
     if seconds is not None and seconds <= 0.0:
         raise ClerestoryError(f"{seconds:g} seconds are no time (give more than 0)")
     start = time.perf_counter()
-    width, height = view.size_px
-    picture = _core.RoomPicture(core, options(view), width, height, seed)
     sun = picture.sun()
+    begun = picture.samples()
+    one_pass = min(max(PASS_PATHS // (view.size_px[0] * view.size_px[1]), 1), PASS)
     while True:
-        done = picture.samples()
-        paths = min(PASS, (samples or MOST) - done)
+        done, taken = picture.samples(), time.perf_counter() - start
+        over = done >= MOST or (seconds is not None and done > begun and taken >= seconds)
+        if over or (samples is not None and done >= samples):
+            break
+        if samples is None and done > 0:
+            reached = _rendering(picture, sun, view, taken).relative_noise
+            if reached <= noise:
+                break
+            if progress is not None:
+                progress(max((noise / reached) ** 2, taken / seconds if seconds is not None else 0.0))
+        paths = min(max(one_pass, LEAST - done), (samples or MOST) - done)
 
         def share(part: float, done: int = done, paths: int = paths) -> None:
             if progress is not None and samples is not None:
                 progress((done + part * paths) / samples)
 
         picture.add(paths, share)
-        taken = time.perf_counter() - start
-        over = seconds is not None and taken >= seconds
-        if samples is not None:
-            if over or picture.samples() >= samples:
-                return _rendering(picture, sun, view, taken)
-            continue
-        found = _rendering(picture, sun, view, taken)
-        reached = found.relative_noise
-        if over or reached <= noise or found.samples >= MOST:
-            return found
-        if progress is not None:
-            parts = [(noise / reached) ** 2]
-            parts += [taken / seconds] if seconds is not None else []
-            progress(max(parts))
+    return _rendering(picture, sun, view, time.perf_counter() - start)
 
 
 def _rendering(picture: _core.RoomPicture, sun: NDArray[np.float64], view: keys.View, seconds: float) -> Rendering:

@@ -17,6 +17,7 @@ from clerestory.room.builder import Quads, build
 from clerestory.room.files import Found, take
 from clerestory.room.recipe import LEVELS, Recipe
 from clerestory.room.shipped import ROOMS
+from clerestory.room.standing import of_points, of_windows
 from clerestory.trace.bands import Bands
 from clerestory.trace.keys import RecipeError, suggestion
 from clerestory.trace.materials import Spec
@@ -29,16 +30,17 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from clerestory.bsdf import Bsdf
+    from clerestory.glare import Evaluation, Settings
     from clerestory.room import recipe as keys
     from clerestory.room.illuminance import Illuminance
     from clerestory.room.picture import Rendering
+    from clerestory.room.state import State
     from clerestory.sky import Sky
 
 CHANNELS = Bands(names=["red", "green", "blue"])
 """Radiance's channels, which are the bands of a room."""
 AIR = "air"
 _GREY: list[str | None] = [None] * 3
-_UP = [0.0, 0.0, 1.0]
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,8 @@ class WindowOf:
     corners: NDArray[np.float64]
     """(n, 3) [m], counter-clockwise as seen from the room."""
     system: str
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    """Upward direction of its data set, as near as its plane lets it be."""
 
 
 class Room:
@@ -106,11 +110,26 @@ class Room:
         self._core = self._made()
         for name, _, lacks in self._core.windows():
             self.warnings += [f"window {name}: {text}" for text in lacks]
+        self.warnings += of_windows(self._core)
 
     @property
     def name(self) -> str:
         """What it is called."""
         return self.recipe.name or "room"
+
+    @property
+    def files(self) -> list[Path]:
+        """Files of data sets that it scatters by: of windows, and of materials."""
+        named = [system.file for key, system in self._systems.items() if key in self._bsdfs]
+        named += [getattr(material, "file", None) for material in self.recipe.materials.values()]
+        return [self.folder / name for name in named if name is not None]
+
+    def content(self) -> list[object]:
+        """All that it is made of but for the data of its files: two rooms that differ have other contents."""
+        specs = [(name, spec.kind, spec.numbers, spec.parts) for name, spec in self._specs.items()]
+        windows = [(w.name, w.corners.tolist(), self._systems[w.system].model_dump(), w.up) for w in self.windows]
+        outside = [self.recipe.sky.model_dump(), self.recipe.place and self.recipe.place.model_dump()]
+        return [self._shapes.mark(), self._surfaces, specs, self._media, windows, self._lights, outside]
 
     def view(self, name: str) -> keys.View:
         """One of its views.
@@ -148,6 +167,17 @@ class Room:
         else:
             points = self._grid(sensors, f"sensors.{name}")
         return points, np.broadcast_to(np.array(sensors.normal, dtype=float), points.shape).copy()
+
+    def doubts(self, view: str | keys.View | None = None, sensors: str | None = None) -> list[str]:
+        """What is doubtful about the place of a view's eye, or of sensors: outside of the room, or within a body."""
+        found = []
+        if view is not None:
+            name = f"the eye of view {view}" if isinstance(view, str) else "the eye"
+            chosen = self.view(view) if isinstance(view, str) else view
+            found += of_points(self._core, [chosen.point_m], name)
+        if sensors is not None:
+            found += of_points(self._core, self.sensors(sensors)[0].tolist(), f"sensors {sensors}")
+        return found
 
     def illuminance(
         self,
@@ -191,6 +221,7 @@ class Room:
         samples: int | None = None,
         seconds: float | None = None,
         seed: int = 1,
+        state: State | None = None,
         progress: Callable[[float], object] | None = None,
     ) -> Rendering:
         """A picture of radiance, with its noise.
@@ -207,13 +238,67 @@ class Room:
             Time after which no further pass is begun.
         seed
             Of the random numbers: the same seed and number of paths give the same picture for any number of threads.
+        state
+            What was found of the same picture before; it goes on from there, with the same result.
         progress
             Called with the share that is done.
         """
         from clerestory.room.picture import render
+        from clerestory.room.state import State, fingerprint
 
         chosen = self.view(view) if isinstance(view, str) else view
-        return render(self._core, chosen, noise=noise, samples=samples, seconds=seconds, seed=seed, progress=progress)
+        if state is None:
+            state = State.new(self, chosen, seed=seed)
+        elif state.fingerprint != fingerprint(self, chosen, seed):
+            raise _core.ClerestoryError("the state is of another picture (make one of this room, view and seed)")
+        return render(state.core, chosen, noise=noise, samples=samples, seconds=seconds, progress=progress)
+
+    def denoise(self, picture: Rendering) -> Rendering:
+        """A picture of this room with neighbours averaged where they differ by noise: for eyes, not for glare."""
+        from clerestory.room.denoise import denoise
+
+        return denoise(self._core, picture)
+
+    def glare(
+        self,
+        view: str | keys.View,
+        *,
+        error: float = 0.01,
+        samples: int | None = None,
+        seed: int = 1,
+        settings: Settings | None = None,
+        progress: Callable[[float], object] | None = None,
+    ) -> Evaluation:
+        """Glare at the eye of a view, without a picture.
+
+        Sources are found in what windows send and in what the sun lights, in directions half a degree apart; the sun
+        that is seen through a beam is a source of its own, exactly. Light between surfaces is spread over the whole
+        view, so that a surface which is bright by it alone is no source.
+
+        Parameters
+        ----------
+        view
+            A name of the recipe's views, or a view; what counts is where it looks.
+        error
+            Relative standard error of the illuminance at the eye to reach.
+        samples
+            Paths a direction, instead.
+        seed
+            Of the random numbers.
+        settings
+            Of the evaluation; those of `evalglare` 3.06 by default.
+        progress
+            Called with the share that is done.
+
+        Raises
+        ------
+        ClerestoryError
+            The settings need a picture.
+        """
+        from clerestory.room.glare import of_room
+
+        chosen = self.view(view) if isinstance(view, str) else view
+        return of_room(self, chosen, error=error, samples=samples, seed=seed, settings=settings, progress=progress)
 
     def described(self) -> tuple[bytes, list[object]]:
         """All that its light depends on but for systems and sky: shapes; surfaces, materials, media, windows."""
@@ -226,7 +311,7 @@ class Room:
             return [spec.kind, spec.numbers, data, spec.parts]
 
         materials = [(name, plain(spec)) for name, spec in self._specs.items()]
-        windows = [(w.corners.tolist(), w.system) for w in self.windows]
+        windows = [(w.corners.tolist(), w.system, list(w.up)) for w in self.windows]
         return self._shapes.described(), [self._surfaces, materials, self._media, windows]
 
     def bare(self) -> _core.Room:
@@ -236,7 +321,7 @@ class Room:
         from clerestory.sky import Sky
 
         even = Bsdf.from_models({"visible": {("exterior", "transmission"): Model.lambertian(1.0)}})
-        windows = [(w.name, w.corners.tolist(), even._core, _GREY, _UP) for w in self.windows]
+        windows = [(w.name, w.corners.tolist(), even._core, _GREY, list(w.up)) for w in self.windows]
         return self._room(windows, [], Sky.uniform())
 
     def _grid(self, sensors: keys.Sensors, key: str) -> NDArray[np.float64]:
@@ -301,9 +386,11 @@ class Room:
                 )
             numbers.append(self._surface(f"{geometry.file}: {name}", material, medium))
         self._shapes.scene(taken.scene, numbers)
-        for name, corners, system in taken.windows:
-            self.windows.append(WindowOf(name, corners, system.file or ""))
-            self._systems[system.file or ""] = system
+        for name, corners, system, up in taken.windows:
+            # One file can stand in a room in two treatments.
+            used = f"{system.file} ({system.treatment})"
+            self.windows.append(WindowOf(name, corners, used, up))
+            self._systems[used] = system
         self._lights += taken.lights
 
     def _added(self, name: str, found: Found) -> tuple[str, str]:
@@ -316,7 +403,7 @@ class Room:
 
     def _made(self) -> _core.Room:
         windows = [
-            (w.name, w.corners.tolist(), self._bsdfs[w.system][0]._core, self._bsdfs[w.system][1], _UP)
+            (w.name, w.corners.tolist(), self._bsdfs[w.system][0]._core, self._bsdfs[w.system][1], list(w.up))
             for w in self.windows
         ]
         return self._room(windows, self._lights, self.sky)

@@ -16,7 +16,7 @@ use crate::progress::Progress;
 
 /// A cell of a group's directions that a point sees.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cell {
+pub struct SeenCell {
     /// Number of the group times the number of its cells, and the cell's number: row by row of the concentric square.
     pub number: u32,
     /// Solid angle that is seen of it (sr).
@@ -40,7 +40,7 @@ impl Room {
         steps: usize,
         parts: usize,
         progress: &Progress,
-    ) -> Result<Vec<Vec<Cell>>> {
+    ) -> Result<Vec<Vec<SeenCell>>> {
         check_sensors(sensors)?;
         groups.check(self.windows.len())?;
         if !(1..=MOST_STEPS).contains(&steps) || !(1..=64).contains(&parts) {
@@ -75,7 +75,7 @@ impl Room {
         normal: Vec3,
         [steps, parts]: [usize; 2],
         first: usize,
-        cells: &mut Vec<Cell>,
+        cells: &mut Vec<SeenCell>,
     ) {
         let Some(outline) = Outline::new(window, from) else {
             return;
@@ -96,7 +96,7 @@ impl Room {
                 }
             }
             if solid_angle > 0.0 {
-                cells.push(Cell {
+                cells.push(SeenCell {
                     number: (first + cell) as u32,
                     solid_angle: solid_angle as f32,
                     projected: projected as f32,
@@ -122,13 +122,15 @@ impl Room {
 
     /// The window through which each point (rows) sees each direction (columns), if nothing stands before it either: its number
     /// from 1, or 0 for none; `OPEN` where nothing at all is met.
-    pub fn outlooks(&self, points: &[Vec3], directions: &[Vec3], progress: &Progress) -> Result<Vec<u16>> {
+    pub fn windows_towards(&self, points: &[Vec3], directions: &[Vec3], progress: &Progress) -> Result<Vec<u16>> {
         progress.expect(points.len());
         let rows: Vec<Vec<u16>> = points
             .par_iter()
             .map(|&point| {
                 progress.check()?;
-                let row = directions.iter().map(|&direction| self.outlook(point, direction));
+                let row = directions
+                    .iter()
+                    .map(|&direction| self.window_towards(point, direction));
                 let row = row.collect();
                 progress.step()?;
                 Ok(row)
@@ -137,15 +139,15 @@ impl Room {
         Ok(rows.concat())
     }
 
-    fn outlook(&self, point: Vec3, direction: Vec3) -> u16 {
-        self.outlook_along(&mut Ray {
+    fn window_towards(&self, point: Vec3, direction: Vec3) -> u16 {
+        self.window_along(&mut Ray {
             origin: point,
             direction,
             piece: NO_PIECE,
         })
     }
 
-    pub(super) fn outlook_along(&self, ray: &mut Ray) -> u16 {
+    pub(super) fn window_along(&self, ray: &mut Ray) -> u16 {
         let Meeting::Hit(hit) = self.mesh.meet(ray) else {
             return OPEN;
         };
@@ -159,7 +161,7 @@ impl Room {
     }
 }
 
-/// What [`Room::outlooks`] tells where a ray leaves without meeting a window.
+/// What [`Room::windows_towards`] tells where a ray leaves without meeting a window.
 pub const OPEN: u16 = u16::MAX;
 /// What it tells where something is in the way.
 pub const NONE: u16 = 0;

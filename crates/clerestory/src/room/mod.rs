@@ -11,22 +11,26 @@
 mod aperture;
 mod emitter;
 mod field;
+mod glance;
 mod ledger;
 mod matrix;
 mod path;
 mod picture;
 mod polygon;
 mod sensor;
+mod standing;
 mod sunlit;
 #[cfg(test)]
 mod tests;
 mod window;
 
-pub use aperture::{Cell, NONE, OPEN};
+pub use aperture::{NONE, OPEN, SeenCell};
 pub use field::Rgb;
+pub use glance::{Cell, Feature, SunSeen};
 pub use matrix::{Groups, Paths, Rows};
 pub use picture::{Accumulated, Picture};
 pub use sensor::{Estimate, Sensor};
+pub use standing::{Around, Outlook};
 pub use sunlit::Sunlit;
 pub use window::{System, Window};
 

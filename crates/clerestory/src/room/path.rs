@@ -250,7 +250,7 @@ impl<'a> Tracer<'a> {
                     if open {
                         // What is seen directly or in mirrors is exact; for the rest a table will do.
                         let radiance = if state.density == f64::INFINITY {
-                            self.through(*number as usize, ray.direction, !state.sun_asked)
+                            room.through(*number as usize, ray.direction, !state.sun_asked)
                         } else {
                             window.sent(window.disk(-ray.direction))
                         };
@@ -309,21 +309,6 @@ impl<'a> Tracer<'a> {
                 }
             }
         }
-    }
-
-    /// What an open window sends against a direction that looks at it from the room.
-    fn through(&self, number: usize, look: Vec3, with_sun: bool) -> Rgb {
-        let window = &self.room.windows[number];
-        let travel = window.disk(-look);
-        let mut radiance = window.radiance(travel);
-        let beam = window.beam(travel);
-        if beam.iter().any(|b| *b > 0.0) {
-            let behind = self.room.outside(look, with_sun);
-            for c in 0..3 {
-                radiance[c] += beam[c] * behind[c];
-            }
-        }
-        radiance
     }
 
     /// Asks a window or light, and the sun, for light that a surface scatters back along the path.
@@ -510,6 +495,23 @@ impl<'a> Tracer<'a> {
             return false;
         }
         true
+    }
+}
+
+impl Room {
+    /// What an open window sends against a direction that looks at it from the room.
+    pub(super) fn through(&self, number: usize, look: Vec3, with_sun: bool) -> Rgb {
+        let window = &self.windows[number];
+        let travel = window.disk(-look);
+        let mut radiance = window.radiance(travel);
+        let beam = window.beam(travel);
+        if beam.iter().any(|b| *b > 0.0) {
+            let behind = self.outside(look, with_sun);
+            for c in 0..3 {
+                radiance[c] += beam[c] * behind[c];
+            }
+        }
+        radiance
     }
 }
 

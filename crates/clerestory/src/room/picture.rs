@@ -38,21 +38,26 @@ const SUN_POINTS: u32 = 16_384;
 
 impl Picture {
     /// Adds paths to every pixel; pixels outside of the projection stay 0. The same for any number of threads, and for any
-    /// division of the same number of paths into calls.
+    /// division of the same number of paths into calls. What was found stays as it was if this fails or is stopped.
     pub fn add(&self, room: &Room, samples: u32, found: &mut Accumulated, progress: &Progress) -> Result<()> {
         let [width, height] = self.size;
         let pixels = width * height;
-        if found.sums.is_empty() {
-            found.sums = vec![[0.0; 3]; pixels];
-            found.squares = vec![0.0; pixels];
-        }
-        if found.sums.len() != pixels || found.squares.len() != pixels || width == 0 {
+        let mut next = if found.sums.is_empty() {
+            Accumulated {
+                sums: vec![[0.0; 3]; pixels],
+                squares: vec![0.0; pixels],
+                samples: 0,
+            }
+        } else {
+            found.clone()
+        };
+        if next.sums.len() != pixels || next.squares.len() != pixels || width == 0 {
             return Err(Error::Argument(format!(
                 "{} pixels were found and the picture has {pixels} (go on with a picture of the same size)",
-                found.sums.len()
+                next.sums.len()
             )));
         }
-        let first = found.samples;
+        let first = next.samples;
         let Some(last) = first.checked_add(samples).filter(|last| *last <= 1 << 24) else {
             return Err(Error::Argument(format!(
                 "{first} and {samples} paths a pixel are more than {}",
@@ -60,10 +65,9 @@ impl Picture {
             )));
         };
         progress.expect(height);
-        found
-            .sums
+        next.sums
             .par_chunks_mut(width)
-            .zip(found.squares.par_chunks_mut(width))
+            .zip(next.squares.par_chunks_mut(width))
             .enumerate()
             .try_for_each(|(row, (sums, squares))| {
                 let mut tracer = Tracer::new(room);
@@ -88,7 +92,8 @@ impl Picture {
                 }
                 progress.step()
             })?;
-        found.samples = last;
+        next.samples = last;
+        *found = next;
         Ok(())
     }
 
@@ -134,7 +139,7 @@ impl Picture {
 
 impl Room {
     /// What the beams of windows let pass straight on the way out; None where anything else is in the way.
-    fn passed(&self, mut ray: Ray) -> Option<Rgb> {
+    pub(super) fn passed(&self, mut ray: Ray) -> Option<Rgb> {
         let mut passed = [1.0; 3];
         loop {
             let Meeting::Hit(hit) = self.mesh.meet(&mut ray) else {

@@ -13,7 +13,7 @@ use crate::progress::Progress;
 /// What a direction of an eye shows of a sun.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sunlit {
-    /// As [`Room::outlooks`] tells it of the surface that is seen.
+    /// As [`Room::windows_towards`] tells it of the surface that is seen.
     pub window: u16,
     /// Radiance by the irradiance of a plane that faces the sun, if all of it came through (1/sr), photopic.
     pub radiance: f32,
@@ -21,7 +21,13 @@ pub struct Sunlit {
 
 impl Room {
     /// Of an eye at a point, for each direction (rows) and each sun (columns), unit vectors both.
-    pub fn sunlit(&self, point: Vec3, directions: &[Vec3], suns: &[Vec3], progress: &Progress) -> Result<Vec<Sunlit>> {
+    pub fn lit_by_suns(
+        &self,
+        point: Vec3,
+        directions: &[Vec3],
+        suns: &[Vec3],
+        progress: &Progress,
+    ) -> Result<Vec<Sunlit>> {
         progress.expect(directions.len());
         let rows: Vec<Vec<Sunlit>> = directions
             .par_iter()
@@ -68,7 +74,7 @@ impl Room {
                 return dark;
             }
             let mut towards = Ray { direction: sun, ..ray };
-            match self.outlook_along(&mut towards) {
+            match self.window_along(&mut towards) {
                 OPEN | NONE => dark,
                 window => Sunlit {
                     window,

@@ -25,7 +25,7 @@ fn moment(altitude: f64, azimuth: f64) -> Moment {
 }
 
 /// The same radiance from everywhere.
-fn uniform() -> Sky {
+pub(super) fn uniform() -> Sky {
     let settings = Settings {
         ground_reflectance: 1.0,
         ..Settings::default()
@@ -34,7 +34,7 @@ fn uniform() -> Sky {
     Sky::traditional(kind, false, &moment(40.0, 180.0), Level::Zenith(LUMINANCE), &settings).expect("a sky")
 }
 
-fn clear(altitude: f64, azimuth: f64) -> Sky {
+pub(super) fn clear(altitude: f64, azimuth: f64) -> Sky {
     let supply = crate::sky::perez::Supply::Irradiance {
         direct_normal: 800.0,
         diffuse_horizontal: 100.0,
@@ -53,30 +53,30 @@ fn system(transmission: &Model, reflection: f64) -> System {
     System::new(&bsdf, [None; 3], Vec3::new(0.0, 0.0, 1.0)).expect("a system")
 }
 
-fn open() -> System {
+pub(super) fn open() -> System {
     system(&Model::Specular(Specular::constant(1.0).expect("a share")), 0.0)
 }
 
-fn diffuse(transmittance: f64) -> System {
+pub(super) fn diffuse(transmittance: f64) -> System {
     system(
         &Model::Lambertian(Lambertian::new(transmittance).expect("a share")),
         0.0,
     )
 }
 
-fn quad(scene: &mut Scene, corners: [Vec3; 4], surface: u32) {
+pub(super) fn quad(scene: &mut Scene, corners: [Vec3; 4], surface: u32) {
     let object = scene.object("wall");
     let [a, b, c, d] = corners;
     scene.push(Shape::Triangle([a, b, c]), surface, object);
     scene.push(Shape::Triangle([a, c, d]), surface, object);
 }
 
-fn v(x: f64, y: f64, z: f64) -> Vec3 {
+pub(super) fn v(x: f64, y: f64, z: f64) -> Vec3 {
     Vec3::new(x, y, z)
 }
 
 /// A cube of side 2 m, its middle at the origin, open to the south (y = -1), with walls of one reflectance.
-fn cube(reflectance: f64, system: System, sky: Sky) -> Room {
+pub(super) fn cube(reflectance: f64, system: System, sky: Sky) -> Room {
     let mut scene = Scene::default();
     let wall = scene.surface("wall");
     let p = |k: u32| {
@@ -91,7 +91,7 @@ fn cube(reflectance: f64, system: System, sky: Sky) -> Room {
     room(scene, &[reflectance], vec![("south".into(), window, system)], sky)
 }
 
-fn room(scene: Scene, reflectances: &[f64], windows: Vec<(String, Vec<Vec3>, System)>, sky: Sky) -> Room {
+pub(super) fn room(scene: Scene, reflectances: &[f64], windows: Vec<(String, Vec<Vec3>, System)>, sky: Sky) -> Room {
     let materials = reflectances
         .iter()
         .map(|r| Material::lambertian(&[*r; 3], &[0.0; 3]).expect("a material"));

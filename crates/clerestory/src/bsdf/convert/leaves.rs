@@ -145,7 +145,7 @@ fn spread(tree: &Tree, size: usize, add: Add<'_>, progress: &Progress) -> Result
             let mut sums = vec![0.0; size];
             let mut check = |level: usize| if level <= 3 { progress.check() } else { Ok(()) };
             tree.visit_leaves(top, &mut check, &mut |level, cell, value| {
-                add(&mut sums, level, cell, value)
+                add(&mut sums, level, cell, value);
             })?;
             Ok(sums)
         })

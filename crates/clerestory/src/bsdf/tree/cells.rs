@@ -66,9 +66,12 @@ impl Tree {
         block.iter().enumerate().map(move |(child, &entry)| Top {
             entry,
             level: branch.level + 1,
-            cell: std::array::from_fn(|axis| match axis < axes {
-                true => branch.cell[axis] << 1 | child >> axis & 1,
-                false => 0,
+            cell: std::array::from_fn(|axis| {
+                if axis < axes {
+                    branch.cell[axis] << 1 | child >> axis & 1
+                } else {
+                    0
+                }
             }),
         })
     }

@@ -148,7 +148,7 @@ fn cells_that_a_point_sees_fill_the_window() {
     let seen = room
         .apertures(&sensors, &groups(1), 32, 4, &Progress::default())
         .expect("cells");
-    let of = |value: fn(&crate::room::Cell) -> f32| seen[0].iter().map(|c| f64::from(value(c))).sum::<f64>();
+    let of = |value: fn(&crate::room::SeenCell) -> f32| seen[0].iter().map(|c| f64::from(value(c))).sum::<f64>();
     is_near(of(|c| c.projected), 4.0 * PI * corner_factor(1.0, 1.0, 1.0), 0.002);
     // A face of a cube from its middle.
     is_near(of(|c| c.solid_angle), 4.0 * PI / 6.0, 0.002);
@@ -161,6 +161,8 @@ fn the_sky_is_seen_through_the_window_only() {
     let room = cube(0.0, diffuse(1.0), uniform());
     let towards = [v(0.0, -1.0, 0.2), v(0.0, -1.0, 1.2), v(0.0, 1.0, 0.0)];
     let points = [v(0.0, 0.0, 0.0), v(0.0, -3.0, 0.0)];
-    let found = room.outlooks(&points, &towards, &Progress::default()).expect("windows");
+    let found = room
+        .windows_towards(&points, &towards, &Progress::default())
+        .expect("windows");
     assert_eq!(found, [1, 0, 0, crate::room::OPEN, crate::room::OPEN, 0]);
 }

@@ -1,0 +1,123 @@
+"""A study of a few days from the command line."""
+
+import json
+
+import numpy as np
+import pytest
+
+from clerestory.cli import main
+
+ROOM = """
+[place]
+latitude = 47.3
+longitude = 11.4
+timezone = "Etc/GMT-1"
+[sky]
+kind = "overcast"
+[room]
+width_m = 3.0
+depth_m = 4.0
+height_m = 3.0
+[[room.openings]]
+wall = "south"
+width_m = 2.0
+height_m = 1.6
+sill_m = 0.9
+system = "pane"
+[systems.pane]
+glass = 0.7
+[views.desk]
+point_m = [1.5, 2.0, 1.2]
+direction = [0, -1, 0]
+[sensors.plane]
+height_m = 0.8
+spacing_m = 1.5
+"""
+STUDY = """
+name = "two panes"
+room = "room.toml"
+weather = "days.wea"
+patches = "reinhart:2"
+paths = 1024
+[data_sets.clear]
+glass = 0.7
+[data_sets.dark]
+glass = 0.1
+"""
+HEAD = """place Innsbruck
+latitude 47.3
+longitude -11.4
+time_zone -15
+site_elevation 600
+weather_data_file_units 1
+"""
+
+
+@pytest.fixture
+def study(tmp_path):
+    lines = []
+    for day in (20, 21):
+        for hour in range(24):
+            high = max(0.0, np.sin(np.pi * (hour + 0.5 - 6.0) / 12.0))
+            lines.append(f"3 {day} {hour + 0.5} {800 * high * (day == 20):.0f} {150 * high:.0f}")
+    (tmp_path / "days.wea").write_text(HEAD + "\n".join(lines) + "\n")
+    (tmp_path / "room.toml").write_text(ROOM)
+    (tmp_path / "study.toml").write_text(STUDY)
+    return tmp_path
+
+
+def run(*args):
+    return main(["annual", *map(str, args)])
+
+
+def test_a_study(study, capsys):
+    out = study / "results"
+    assert run(study / "study.toml", "-o", out, "--cache", study / "cache", "--json") == 0
+    told = json.loads(capsys.readouterr().out)
+    clear, dark = told["data_sets"]
+    # Seven times at normal incidence; dark glass swallows more of what comes slanting.
+    assert 7.0 < clear["mean_illuminance_lx"] / dark["mean_illuminance_lx"] < 9.0
+    assert clear["views"]["desk"]["dgp_exceeded_5"] > dark["views"]["desk"]["dgp_exceeded_5"]
+    assert sum(clear["views"]["desk"]["dgp_classes"].values()) == pytest.approx(1.0)
+    import xarray
+
+    with xarray.open_dataset(out / "results.nc") as stored:
+        assert stored.illuminance.sizes == {"data_set": 2, "time": 48, "point": 6}
+        sunny, grey = stored.dgp.sel(data_set="clear", view="desk").values.reshape(2, 24)[:, 11]
+        assert sunny > grey > 0.1
+    for name in ("autonomy.png", "dgp-desk.png", "eye-illuminance-desk.png", "points-clear.csv"):
+        assert (out / name).stat().st_size > 500
+    # The room's matrices are kept: the same study again gives the same numbers.
+    files = {path.name: path.stat().st_mtime_ns for path in (study / "cache").iterdir()}
+    assert run(study / "study.toml", "--cache", study / "cache", "--json") == 0
+    assert json.loads(capsys.readouterr().out)["data_sets"] == told["data_sets"]
+    assert {path.name: path.stat().st_mtime_ns for path in (study / "cache").iterdir()} == files
+
+
+def test_a_plan_computes_nothing(study, capsys):
+    assert run(study / "study.toml", "--cache", study / "cache", "--dry-run") == 0
+    assert "steps: 48" in capsys.readouterr().out
+    assert not (study / "cache").exists()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('weather = "days.wea"', 'weather = "nights.wea"', "nights.wea"),
+        ('room = "room.toml"', 'room = "castle"', "castle"),
+        ("paths = 1024", "paths = 1000", "paths"),
+        ("paths = 1024", 'method = "4-phase"', "method"),
+        ("paths = 1024", 'views = ["sofa"]', "there is no view 'sofa'"),
+        ("paths = 1024", 'sensors = ["roof"]', "there are no sensors 'roof'"),
+        ("glass = 0.1", 'file = "lost.xml"', "lost.xml does not exist"),
+        ("paths = 1024", 'views = ["desk"]\nmethod = "3-phase"', "give the method 5-phase"),
+    ],
+)
+def test_faults_are_named(study, capsys, old, new, words):
+    path = study / "study.toml"
+    path.write_text(path.read_text().replace(old, new))
+    assert run(path, "--cache", study / "cache") in (1, 2)
+    told = capsys.readouterr().err
+    assert told.startswith("error: ")
+    assert words in told
+    assert told.count("\n") == 1
