@@ -32,6 +32,9 @@ type Apertures<'py> = (
     Bound<'py, PyArray2<f32>>,
 );
 
+/// Windows and radiances (directions, suns).
+type LitBySuns<'py> = (Bound<'py, PyArray2<u16>>, Bound<'py, PyArray2<f32>>);
+
 fn matrix(py: Python<'_>, found: Rows) -> PyResult<Matrix<'_>> {
     let columns = found.columns;
     let count = found.standard_error.len() / columns.max(1);
@@ -222,7 +225,7 @@ impl PyWindowGroups {
         point: [f64; 3],
         directions: PyReadonlyArray2<'_, f64>,
         suns: PyReadonlyArray2<'_, f64>,
-    ) -> PyResult<(Bound<'py, PyArray2<u16>>, Bound<'py, PyArray2<f32>>)> {
+    ) -> PyResult<LitBySuns<'py>> {
         let [x, y, z] = point;
         let (directions, suns) = (vectors(&directions)?, vectors(&suns)?);
         let found = watched(py, None, |progress| {

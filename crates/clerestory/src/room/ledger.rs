@@ -68,11 +68,10 @@ impl<'a> Ledger<'a> {
     }
 
     fn add(&mut self, column: usize, share: Rgb, meetings: u16) {
-        for c in 0..3 {
-            self.all[column][c] += share[c];
-            if meetings <= self.direct_meetings {
-                self.direct[column][c] += share[c];
-            }
+        let add = |to: &mut Rgb| to.iter_mut().zip(share).for_each(|(sum, s)| *sum += s);
+        add(&mut self.all[column]);
+        if meetings <= self.direct_meetings {
+            add(&mut self.direct[column]);
         }
     }
 }

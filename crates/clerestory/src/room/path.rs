@@ -162,12 +162,11 @@ impl<'a> Tracer<'a> {
                 Meeting::Hit(hit) => self.arrive(hit, &mut ray, &mut state),
                 // A level ray outside of the scene is called lost.
                 Meeting::Leaves | Meeting::Lost => {
-                    match &mut self.ledger {
-                        Some(ledger) => ledger.sky(ray.direction, state.weight, state.events),
-                        None => {
-                            let radiance = self.room.outside(ray.direction, !state.sun_asked);
-                            self.collect(&state, radiance);
-                        }
+                    if let Some(ledger) = &mut self.ledger {
+                        ledger.sky(ray.direction, state.weight, state.events);
+                    } else {
+                        let radiance = self.room.outside(ray.direction, !state.sun_asked);
+                        self.collect(&state, radiance);
                     }
                     false
                 }
@@ -200,10 +199,31 @@ impl<'a> Tracer<'a> {
         density / (density + asked)
     }
 
+    /// A path found a window: its ledger takes it down. Lights are out.
+    fn write_down(&mut self, hit: &Hit, ray: &Ray, state: &State) {
+        let room = self.room;
+        let Role::Window(number) = room.roles[hit.surface as usize] else {
+            return;
+        };
+        if ray.direction.dot(hit.normal) > 0.0 {
+            return;
+        }
+        let share = self.by_chance(number as usize, ray, hit.distance, state.density);
+        let travel = room.windows[number as usize].disk(-ray.direction);
+        if let Some(ledger) = &mut self.ledger {
+            // This meeting is counted already, and is none of the room's.
+            ledger.window(
+                number as usize,
+                travel,
+                state.weight.map(|w| w * share),
+                state.events - 1,
+            );
+        }
+    }
+
     /// A path meets a surface; whether it goes on.
     fn arrive(&mut self, hit: Hit, ray: &mut Ray, state: &mut State) -> bool {
         let room = self.room;
-        let met = state.events;
         state.events += 1;
         let medium = &room.media[usize::from(state.medium)];
         if !medium.is_clear() {
@@ -221,24 +241,16 @@ impl<'a> Tracer<'a> {
         let face = usize::from(ray.direction.dot(hit.normal) > 0.0);
         let normal = if face == 0 { hit.normal } else { -hit.normal };
         match &room.roles[hit.surface as usize] {
-            Role::Light(_) if self.ledger.is_some() => false,
+            Role::Light(_) | Role::Window(_) if self.ledger.is_some() => {
+                self.write_down(&hit, ray, state);
+                false
+            }
             Role::Light(number) => {
                 let (_, radiance) = &room.lights[*number as usize];
                 if face == 0 {
                     let emitter = room.windows.len() + *number as usize;
                     let share = self.by_chance(emitter, ray, hit.distance, state.density);
                     self.collect(state, radiance.map(|r| r * share));
-                }
-                false
-            }
-            Role::Window(number) if self.ledger.is_some() => {
-                if face == 0 {
-                    let travel = room.windows[*number as usize].disk(-ray.direction);
-                    let share = self.by_chance(*number as usize, ray, hit.distance, state.density);
-                    let found = state.weight.map(|w| w * share);
-                    if let Some(ledger) = &mut self.ledger {
-                        ledger.window(*number as usize, travel, found, met);
-                    }
                 }
                 false
             }
