@@ -76,16 +76,17 @@ def test_a_study(study, capsys):
     told = json.loads(capsys.readouterr().out)
     clear, dark = told["data_sets"]
     # Seven times at normal incidence; dark glass swallows more of what comes slanting.
-    assert 7.0 < clear["mean_illuminance_lx"] / dark["mean_illuminance_lx"] < 9.0
+    means = [record["sensors"]["plane"]["mean_illuminance_lx"] for record in (clear, dark)]
+    assert 7.0 < means[0] / means[1] < 9.0
     assert clear["views"]["desk"]["dgp_exceeded_5"] > dark["views"]["desk"]["dgp_exceeded_5"]
     assert sum(clear["views"]["desk"]["dgp_classes"].values()) == pytest.approx(1.0)
     import xarray
 
     with xarray.open_dataset(out / "results.nc") as stored:
-        assert stored.illuminance.sizes == {"data_set": 2, "time": 48, "point": 6}
+        assert stored.illuminance.sizes == {"data_set": 2, "time": 48, "point": 12}
         sunny, grey = stored.dgp.sel(data_set="clear", view="desk").values.reshape(2, 24)[:, 11]
         assert sunny > grey > 0.1
-    for name in ("autonomy.png", "dgp-desk.png", "eye-illuminance-desk.png", "points-clear.csv"):
+    for name in ("autonomy-plane.png", "dgp-desk.png", "eye-illuminance-desk.png", "plane-clear.csv"):
         assert (out / name).stat().st_size > 500
     # The room's matrices are kept: the same study again gives the same numbers.
     files = {path.name: path.stat().st_mtime_ns for path in (study / "cache").iterdir()}

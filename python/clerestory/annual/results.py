@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from clerestory.annual.study import Outcome, Study
 
 
+_PLAN = 4
+"""Points that a floor plan needs."""
+
+
 def summary(study: Study, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
     """One record a data set: metrics of the room and of each view, over the hours that count."""
     weights = study.hours.weights(study.weather)
@@ -25,16 +29,16 @@ def summary(study: Study, outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:
 
 
 def _of(study: Study, outcome: Outcome, weights: NDArray[np.float64]) -> dict[str, Any]:
-    found: dict[str, Any] = {"data_set": outcome.name}
-    if outcome.metrics is not None:
-        autonomy = outcome.metrics.autonomy_at(study.recipe.threshold_lx)
-        found["daylight_autonomy"] = float(autonomy.mean())
-        found["continuous_daylight_autonomy"] = float(
-            outcome.metrics.continuous_autonomy_at(study.recipe.threshold_lx).mean()
-        )
-        found["mean_illuminance_lx"] = float(outcome.metrics.mean.mean())
-        found["sDA300_50"] = lm83.spatial_autonomy(outcome.metrics.autonomy_at(300.0))
-        found["ASE1000_250"] = lm83.sunlight_exposure(outcome.direct_hours)
+    sensors = {}
+    limit = study.recipe.threshold_lx
+    for name, metrics in outcome.metrics.items():
+        sensors[name] = {
+            "daylight_autonomy": float(metrics.autonomy_at(limit).mean()),
+            "continuous_daylight_autonomy": float(metrics.continuous_autonomy_at(limit).mean()),
+            "mean_illuminance_lx": float(metrics.mean.mean()),
+            "sDA300_50": lm83.spatial_autonomy(metrics.autonomy_at(300.0)),
+            "ASE1000_250": lm83.sunlight_exposure(outcome.direct_hours[study.places[name]]),
+        }
     views = {}
     for view, values in outcome.eyes.items():
         # Where it is dark there is no glare, and the hour counts.
@@ -47,7 +51,7 @@ def _of(study: Study, outcome: Outcome, weights: NDArray[np.float64]) -> dict[st
             "dgp_classes": dict(zip(DGP_CLASSES.names, class_shares(dgp, weights, DGP_CLASSES)[:, 0], strict=True)),
             "dgi_classes": dict(zip(DGI_CLASSES.names, class_shares(dgi, weights, DGI_CLASSES)[:, 0], strict=True)),
         }
-    return found | {"views": views}
+    return {"data_set": outcome.name, "sensors": sensors, "views": views}
 
 
 def write(study: Study, outcomes: Sequence[Outcome], folder: Path) -> list[Path]:
@@ -71,11 +75,11 @@ def write(study: Study, outcomes: Sequence[Outcome], folder: Path) -> list[Path]
     dataset.save(dataset.by_time(study.weather, variables, **coords), path)
     made.append(path)
     for outcome in outcomes:
-        if outcome.metrics is not None:
-            path = folder / f"points-{_slug(outcome.name)}.csv"
-            table = dataset.of_points(
-                outcome.metrics, study.points, study.hours.words, hours_in_sun=outcome.direct_hours
-            )
+        for name, metrics in outcome.metrics.items():
+            place = study.places[name]
+            path = folder / f"{_slug(name)}-{_slug(outcome.name)}.csv"
+            in_sun = outcome.direct_hours[place]
+            table = dataset.of_points(metrics, study.points[place], study.hours.words, hours_in_sun=in_sun)
             dataset.save(table, path)
             made.append(path)
     for name, figure in _figures(study, outcomes):
@@ -88,14 +92,21 @@ def write(study: Study, outcomes: Sequence[Outcome], folder: Path) -> list[Path]
 def _figures(study: Study, outcomes: Sequence[Outcome]) -> list[tuple[str, Any]]:
     from clerestory.plot.carpet import carpets
     from clerestory.plot.class_bars import class_bars
-    from clerestory.plot.floor_plan import floor_plan
+    from clerestory.plot.floor_plan import Plan, floor_plan, rectangle
 
     made: list[tuple[str, Any]] = []
     limit = study.recipe.threshold_lx
-    if len(study.points):
-        shares = {o.name: o.metrics.autonomy_at(limit) for o in outcomes if o.metrics is not None}
+    box = study.room.recipe.room
+    windows = tuple(_ends(window.corners[:, :2]) for window in study.room.windows)
+    plan = Plan(None if box is None else rectangle(box.width_m, box.depth_m), windows)
+    for name, place in study.places.items():
+        if place.stop - place.start < _PLAN:
+            continue
+        shares = {o.name: o.metrics[name].autonomy_at(limit) for o in outcomes}
         label = f"daylight autonomy, {limit:g} lx"
-        made.append(("autonomy", floor_plan(study.points, shares, label=label, percent=True)))
+        made.append(
+            (f"autonomy-{_slug(name)}", floor_plan(study.points[place], shares, label=label, percent=True, plan=plan))
+        )
     weights = study.hours.weights(study.weather)
     step = float(np.median(study.weather.interval))
     for view in study.views:
@@ -110,6 +121,12 @@ def _figures(study: Study, outcomes: Sequence[Outcome]) -> list[tuple[str, Any]]
             bars = class_bars(found, classes.names, ranges=classes.ranges, title=title)
             made.append((f"{key}-{_slug(view)}", bars))
     return made
+
+
+def _ends(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of an upright polygon seen from above (2, 2)."""
+    far = corners[np.argmax(np.linalg.norm(corners - corners[0], axis=1))]
+    return np.stack([corners[np.argmax(np.linalg.norm(corners - far, axis=1))], far])
 
 
 def _slug(name: str) -> str:

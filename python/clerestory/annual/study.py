@@ -106,8 +106,8 @@ class Outcome:
     """Of the data set."""
     illuminance: NDArray[np.float32]
     """(steps, points) [lx]."""
-    metrics: PointMetrics | None
-    """Of the points over the hours that count; None without sensors."""
+    metrics: dict[str, PointMetrics]
+    """Of each name of sensors, over the hours that count."""
     direct_hours: NDArray[np.float64]
     """(points) hours with more than 1000 lx of direct sun [h]."""
     eyes: dict[str, dict[str, NDArray[np.float64]]]
@@ -139,6 +139,9 @@ class Study:
         for name in self.views:
             self.room.view(name)
         grids = [self.room.sensors(name) for name in self.sensors]
+        ends = np.cumsum([0, *(len(points) for points, _ in grids)]).tolist()
+        self.places = {name: slice(ends[k], ends[k + 1]) for k, name in enumerate(self.sensors)}
+        """Which of the points are those of each name of sensors."""
         self.points = np.concatenate([g[0] for g in grids]) if grids else np.zeros((0, 3))
         """(n, 3) [m]."""
         self.normals = np.concatenate([g[1] for g in grids]) if grids else np.zeros((0, 3))
@@ -180,19 +183,21 @@ class Study:
     ) -> Outcome:
         weights = self.hours.weights(self.weather)
         count = len(self.points)
-        collected = PointYear(count, thresholds=sorted({self.recipe.threshold_lx, *_THRESHOLDS})) if count else None
+        thresholds = sorted({self.recipe.threshold_lx, *_THRESHOLDS})
+        collected = {key: PointYear(p.stop - p.start, thresholds=thresholds) for key, p in self.places.items()}
         illuminance = np.zeros((len(self.weather), count), dtype=np.float32)
         in_sun = np.zeros(count)
         eyes = {view: {key: np.full(len(self.weather), np.nan) for key in _EYE} for view in self.views}
         for part in year.of(bsdfs, None if progress is None else lambda share: progress(name, share)):
             illuminance[part.steps] = part.illuminance
-            if collected is not None:
-                collected.add(part.illuminance, weights[part.steps])
-                in_sun += weights[part.steps] @ (part.direct > _SUNLIT)
+            for key, place in self.places.items():
+                collected[key].add(part.illuminance[:, place], weights[part.steps])
+            in_sun += weights[part.steps] @ (part.direct > _SUNLIT)
             for view, values in part.eyes.items():
                 for key, series in values.items():
                     eyes[view][key][part.steps] = series
-        return Outcome(name, illuminance, None if collected is None else collected.result(), in_sun, eyes)
+        metrics = {key: points.result() for key, points in collected.items()}
+        return Outcome(name, illuminance, metrics, in_sun, eyes)
 
     def _weather(self, folder: Path) -> Weather:
         if self.recipe.weather is not None:

@@ -62,29 +62,34 @@ def annual(
         )
         return
     say(f"{made.recipe.name or study.stem}: {made.weather.source}; {made.hours.words}; {made.recipe.method}")
-    say(table(_head(made), [_row(made, record) for record in found], left=1))
+    autonomy = f"DA {made.recipe.threshold_lx:g} lx"
+    for head, rows in (
+        (["data set", "sensors", autonomy, "sDA 300/50 %", "ASE 1000,250", "mean E"], _of_sensors(found)),
+        (["data set", "view", "mean E_v", "DGP exceeded in 5 %", "EN 17037 glare"], _of_views(found)),
+    ):
+        if rows:
+            say(table(head, rows, left=2))
     for path in written:
         say(f"wrote {path}")
 
 
-def _head(study: Study) -> list[str]:
-    points = (
-        [f"DA {study.recipe.threshold_lx:g} lx", "sDA 300/50", "ASE 1000,250", "mean E"] if len(study.points) else []
-    )
-    views = [text for view in study.views for text in (f"E_v {view}", f"DGP 5 % {view}", "EN 17037")]
-    return ["data set", *points, *views]
+def _of_sensors(found: list[dict[str, Any]]) -> list[list[str]]:
+    rows = []
+    for record in found:
+        for name, values in record["sensors"].items():
+            shares = [f"{100.0 * values[key]:.1f} %" for key in ("daylight_autonomy", "sDA300_50", "ASE1000_250")]
+            rows.append([str(record["data_set"]), name, *shares, f"{values['mean_illuminance_lx']:.0f} lx"])
+    return rows
 
 
-def _row(study: Study, record: dict[str, Any]) -> list[str]:
-    row = [str(record["data_set"])]
-    if len(study.points):
-        row += [f"{100.0 * record[key]:.1f} %" for key in ("daylight_autonomy", "sDA300_50", "ASE1000_250")]
-        row.append(f"{record['mean_illuminance_lx']:.0f} lx")
-    for view in study.views:
-        found = record["views"][view]
-        level = found["en17037_glare"] or "none"
-        row += [f"{found['mean_vertical_illuminance_lx']:.0f} lx", f"{found['dgp_exceeded_5']:.3f}", str(level)]
-    return row
+def _of_views(found: list[dict[str, Any]]) -> list[list[str]]:
+    rows = []
+    for record in found:
+        for name, values in record["views"].items():
+            at_eye = f"{values['mean_vertical_illuminance_lx']:.0f} lx"
+            level = str(values["en17037_glare"] or "below minimum")
+            rows.append([str(record["data_set"]), name, at_eye, f"{values['dgp_exceeded_5']:.3f}", level])
+    return rows
 
 
 def _tell_plan(study: Study, *, as_json: bool) -> None:
