@@ -1,0 +1,80 @@
+"""Steps of a year at an eye beside the same moments in the same room, followed path by path."""
+
+import numpy as np
+import pytest
+
+from clerestory import Bsdf, Model, room
+from clerestory.annual.cache import Cache
+from clerestory.annual.matrices import RoomMatrices
+from clerestory.annual.year import RoomYear, Sampling
+from clerestory.weather import SkyYear, read_weather
+from samples import ABSENT, sample_root
+
+ROOM = {
+    "place": {"latitude": 47.3, "longitude": 11.4, "timezone": "Etc/GMT-1"},
+    "room": {
+        "width_m": 3.0,
+        "depth_m": 4.0,
+        "height_m": 3.0,
+        "openings": [{"wall": "south", "width_m": 2.0, "height_m": 1.6, "sill_m": 0.9, "system": "window"}],
+    },
+    "views": {"desk": {"point_m": [1.5, 2.0, 1.2], "direction": [0.4, -1.0, 0.0]}},
+}
+WEA = """place Innsbruck
+latitude 47.3
+longitude -11.4
+time_zone -15
+site_elevation 600
+weather_data_file_units 1
+1 21 12.5 700 60
+3 21 10.5 300 200
+6 21 13.5 0 250
+"""
+
+
+def film(folder):
+    parts = {
+        (side, scatter): Model.lambertian(value)
+        for side in ("exterior", "interior")
+        for scatter, value in (("transmission", 0.1), ("reflection", 0.5))
+    }
+    Bsdf.from_models(parts).save(folder / "film.bsdf.npz")
+    return {"file": str(folder / "film.bsdf.npz")}
+
+
+def sample_of(kind, name, treatment):
+    root = sample_root()
+    if root is None:
+        pytest.skip(ABSENT)
+    return {"file": str(root / kind / name), "treatment": treatment}
+
+
+@pytest.mark.parametrize("name", ["film", "dark glass", "blind, tree", "blind, Klems"])
+def test_a_step_is_the_moment(tmp_path, name):
+    system = {
+        "film": lambda: film(tmp_path),
+        "dark glass": lambda: {"glass": 0.1},
+        "blind, tree": lambda: sample_of("tensortree", "b30.xml", "high"),
+        "blind, Klems": lambda: sample_of("klems", "blinds30.xml", "klems"),
+    }[name]()
+    (tmp_path / "days.wea").write_text(WEA)
+    weather = read_weather(tmp_path / "days.wea")
+    sky = SkyYear(weather)
+    tables = ROOM | {"systems": {"window": system}, "sky": {"kind": "overcast"}}
+    made = room.load(tables)
+    view = made.view("desk")
+    matrices = RoomMatrices(made, cache=Cache(tmp_path / "cache"))
+    sampling = Sampling(view=32768, daylight=8192)
+    year = RoomYear(matrices, sky, eyes={"desk": (view.point_m, view.direction)}, sampling=sampling)
+    (part,) = year.of([made.system("window")])
+    found = part.eyes["desk"]
+    altitude, azimuth = weather.sun_positions("spa")
+    for step in range(len(weather)):
+        light = {"direct": float(weather.direct[step]), "diffuse": float(weather.diffuse[step])}
+        sun = [float(altitude[step]), float(azimuth[step])]
+        moment = room.load(tables | {"sky": {"kind": "perez", "sun_deg": sun, **light}})
+        expected = moment.glare("desk", error=0.003)
+        # The sky in patches and the room's light of sunlit surfaces by them: a few per cent.
+        assert found["illuminance"][step] == pytest.approx(expected.vertical_illuminance, rel=0.04), step
+        assert found["dgp"][step] == pytest.approx(expected.dgp, abs=0.02), step
+    assert np.ptp(found["dgp"]) > 0.02
