@@ -74,7 +74,7 @@ def test_a_step_is_the_moment(tmp_path, name):
         sun = [float(altitude[step]), float(azimuth[step])]
         moment = room.load(tables | {"sky": {"kind": "perez", "sun_deg": sun, **light}})
         expected = moment.glare("desk", error=0.003)
-        # The sky in patches and the room's light of sunlit surfaces by them: a few per cent.
-        assert found["illuminance"][step] == pytest.approx(expected.vertical_illuminance, rel=0.04), step
-        assert found["dgp"][step] == pytest.approx(expected.dgp, abs=0.02), step
+        # The light of the room by patches: a few per cent where patches are bright and coarse.
+        assert found["illuminance"][step] == pytest.approx(expected.vertical_illuminance, rel=0.03), step
+        assert found["dgp"][step] == pytest.approx(expected.dgp, abs=0.015), step
     assert np.ptp(found["dgp"]) > 0.02
