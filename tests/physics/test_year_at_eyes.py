@@ -66,7 +66,7 @@ def test_a_step_is_the_moment(tmp_path, name):
     matrices = RoomMatrices(made, cache=Cache(tmp_path / "cache"))
     sampling = Sampling(view=32768, daylight=8192)
     year = RoomYear(matrices, sky, eyes={"desk": (view.point_m, view.direction)}, sampling=sampling)
-    (part,) = year.of([made.system("window")])
+    ((_, part),) = year.of({name: [made.system("window")]})
     found = part.eyes["desk"]
     altitude, azimuth = weather.sun_positions("spa")
     for step in range(len(weather)):

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from clerestory.annual.metrics import PointMetrics
+    from clerestory.annual.year import Part
     from clerestory.bsdf import Bsdf
     from clerestory.room import Room
     from clerestory.weather import Weather
@@ -149,13 +150,13 @@ class Study:
         if not len(self.points) and not self.views:
             raise RecipeError("sensors: the room has neither sensors nor views (add some to its recipe)")
 
-    def run(self, progress: Callable[[str, float], object] | None = None) -> list[Outcome]:
+    def run(self, progress: Callable[[float], object] | None = None) -> list[Outcome]:
         """The year of every data set; matrices are taken from the cache where they are there.
 
         Parameters
         ----------
         progress
-            Called with what is being done and the share that is done of it.
+            Called with the share of the year that is done.
         """
         recipe = self.recipe
         north = self.room.recipe.sky.north_deg
@@ -176,28 +177,11 @@ class Study:
             method=recipe.method,
             sampling=Sampling(view=recipe.paths),
         )
-        return [self._outcome(year, name, bsdfs, progress) for name, bsdfs in self.data_sets.items()]
-
-    def _outcome(
-        self, year: RoomYear, name: str, bsdfs: list[Bsdf], progress: Callable[[str, float], object] | None
-    ) -> Outcome:
         weights = self.hours.weights(self.weather)
-        count = len(self.points)
-        thresholds = sorted({self.recipe.threshold_lx, *_THRESHOLDS})
-        collected = {key: PointYear(p.stop - p.start, thresholds=thresholds) for key, p in self.places.items()}
-        illuminance = np.zeros((len(self.weather), count), dtype=np.float32)
-        in_sun = np.zeros(count)
-        eyes = {view: {key: np.full(len(self.weather), np.nan) for key in _EYE} for view in self.views}
-        for part in year.of(bsdfs, None if progress is None else lambda share: progress(name, share)):
-            illuminance[part.steps] = part.illuminance
-            for key, place in self.places.items():
-                collected[key].add(part.illuminance[:, place], weights[part.steps])
-            in_sun += weights[part.steps] @ (part.direct > _SUNLIT)
-            for view, values in part.eyes.items():
-                for key, series in values.items():
-                    eyes[view][key][part.steps] = series
-        metrics = {key: points.result() for key, points in collected.items()}
-        return Outcome(name, illuminance, metrics, in_sun, eyes)
+        outcomes = {name: _Collected(self, name) for name in self.data_sets}
+        for name, part in year.of(self.data_sets, progress):
+            outcomes[name].add(part, weights[part.steps])
+        return [collected.outcome() for collected in outcomes.values()]
 
     def _weather(self, folder: Path) -> Weather:
         if self.recipe.weather is not None:
@@ -220,6 +204,35 @@ class Study:
 _THRESHOLDS = (50.0, 100.0, 300.0, 500.0, 750.0)
 _SUNLIT = 1000.0
 _EYE = ("illuminance", *INDICES)
+
+
+class _Collected:
+    """The year of a data set, as far as it is known."""
+
+    def __init__(self, study: Study, name: str) -> None:
+        steps, count = len(study.weather), len(study.points)
+        thresholds = sorted({study.recipe.threshold_lx, *_THRESHOLDS})
+        self._name = name
+        self._places = study.places
+        self._metrics = {key: PointYear(p.stop - p.start, thresholds=thresholds) for key, p in study.places.items()}
+        self._illuminance = np.zeros((steps, count), dtype=np.float32)
+        self._in_sun = np.zeros(count)
+        self._eyes = {view: {key: np.full(steps, np.nan) for key in _EYE} for view in study.views}
+
+    def add(self, part: Part, weights: NDArray[np.float64]) -> None:
+        """Some steps, with the hours that each counts for."""
+        self._illuminance[part.steps] = part.illuminance
+        for key, place in self._places.items():
+            self._metrics[key].add(part.illuminance[:, place], weights)
+        self._in_sun += weights @ (part.direct > _SUNLIT)
+        for view, values in part.eyes.items():
+            for key, series in values.items():
+                self._eyes[view][key][part.steps] = series
+
+    def outcome(self) -> Outcome:
+        """All of it."""
+        metrics = {key: points.result() for key, points in self._metrics.items()}
+        return Outcome(self._name, self._illuminance, metrics, self._in_sun, self._eyes)
 
 
 def load(source: str | os.PathLike[str], *, cache: str | os.PathLike[str] | None = None) -> Study:

@@ -115,43 +115,65 @@ class RoomYear:
         if not len(self._points) and not self._eyes:
             raise ClerestoryError("there are neither points nor eyes (give sensors or views)")
 
-    def of(self, systems: Sequence[Bsdf], progress: Callable[[float], object] | None = None) -> Iterator[Part]:
-        """The year with a system in each group of windows, part by part.
+    def of(
+        self, data_sets: Mapping[str, Sequence[Bsdf]], progress: Callable[[float], object] | None = None
+    ) -> Iterator[tuple[str, Part]]:
+        """The year with one data set after another, part by part; each part of all of them before the next.
 
         Parameters
         ----------
-        systems
-            Data set of each group; their beams are as they are (see `Bsdf.separate_peaks`).
+        data_sets
+            What stands in each group of windows, by name; beams are as they are (see `Bsdf.separate_peaks`).
         progress
             Called with the share that is done.
         """
         matrices, sampling = self.matrices, self.sampling
-        if len(systems) != len(matrices):
-            raise ClerestoryError(f"{len(systems)} systems for {len(matrices)} groups of windows (give one each)")
         groups = range(len(matrices))
+        for name, systems in data_sets.items():
+            if len(systems) != len(matrices):
+                raise ClerestoryError(
+                    f"{name}: {len(systems)} systems for {len(matrices)} groups of windows (give one each)"
+                )
         daylight = [matrices.daylight(g, self.sky.patches, samples=sampling.daylight) for g in groups]
-        transfers = [Transfer.of(bsdf, matrices.basis) for bsdf in systems]
         returned = [matrices.returned(g, samples=sampling.daylight).all for g in groups]
-        once, whole = leaving(transfers), leaving(transfers, returned)
-        points = self._of_points(systems, once, whole) if len(self._points) else None
-        eyes = _Eyes(self, systems, transfers, once, whole) if self._eyes else None
-        suns, irradiance = self.sky.suns.directions, self.sky.suns.irradiance
+        prepared = {name: self._prepared(systems, returned) for name, systems in data_sets.items()}
+        suns, irradiance, is_lit = self.sky.suns.directions, self.sky.suns.irradiance, self.sky.is_lit
         for first in range(0, len(suns), sampling.chunk):
             part = slice(first, min(first + sampling.chunk, len(suns)))
-            sky = np.asarray(self.sky.columns(part, part="sky"), dtype=np.float32)
-            sun = np.asarray(self.sky.columns(part, part="sun"), dtype=np.float32)
+            lit = np.flatnonzero(is_lit[part])
+            sky = np.asarray(self.sky.columns(part, part="sky"), dtype=np.float32)[:, lit]
+            sun = np.asarray(self.sky.columns(part, part="sun"), dtype=np.float32)[:, lit]
             light = Light(
                 sky=sky,
                 diffuse=np.concatenate([d.all @ sky + (d.all - d.direct) @ sun for d in daylight]),
                 directly=np.concatenate([d.direct @ sun for d in daylight]),
-                suns=suns[part],
-                irradiance=irradiance[part],
+                suns=suns[part][lit],
+                irradiance=irradiance[part][lit],
             )
-            nothing = np.zeros((light.steps, 0), dtype=np.float32)
-            found = (nothing, nothing) if points is None else points.illuminance(light)
-            yield Part(part, *found, {} if eyes is None else eyes.rated(light))
+            for name, (points, eyes) in prepared.items():
+                yield name, self._part(part, lit, light, points, eyes)
             if progress is not None:
                 progress(part.stop / len(suns))
+
+    def _prepared(self, systems: Sequence[Bsdf], returned: Sequence[Floats]) -> tuple[Lit | None, _Eyes | None]:
+        transfers = [Transfer.of(bsdf, self.matrices.basis) for bsdf in systems]
+        once, whole = leaving(transfers), leaving(transfers, returned)
+        points = self._of_points(systems, once, whole) if len(self._points) else None
+        return points, _Eyes(self, systems, transfers, once, whole) if self._eyes else None
+
+    def _part(self, part: slice, lit: NDArray[np.int64], light: Light, points: Lit | None, eyes: _Eyes | None) -> Part:
+        """Some steps, of which only the lit ones were computed."""
+        count = part.stop - part.start
+        illuminance, direct = (np.zeros((count, len(self._points)), dtype=np.float32) for _ in range(2))
+        if points is not None and len(lit):
+            illuminance[lit], direct[lit] = points.illuminance(light)
+        found: dict[str, dict[str, Doubles]] = {}
+        rated = eyes.rated(light) if eyes is not None and len(lit) else {}
+        for name in self._eyes:
+            found[name] = {"illuminance": np.zeros(count)} | {index: np.full(count, np.nan) for index in INDICES}
+            for index, values in rated.get(name, {}).items():
+                found[name][index][lit] = values
+        return Part(part, illuminance, direct, found)
 
     def _of_points(self, systems: Sequence[Bsdf], once: Floats, whole: Floats) -> Lit:
         seen = None

@@ -45,7 +45,7 @@ def annual(
         _tell_plan(made, as_json=as_json)
         return
     with progress("year") as tell:
-        outcomes = made.run(None if tell is None else lambda _, share: tell(share))
+        outcomes = made.run(tell)
     for text in made.cache.warnings:
         note(f"warning: {text}")
     found = results.summary(made, outcomes)

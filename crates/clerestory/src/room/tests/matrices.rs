@@ -146,12 +146,13 @@ fn cells_that_a_point_sees_fill_the_window() {
         normal: v(0.0, -1.0, 0.0),
     }];
     let seen = room
-        .apertures(&sensors, &groups(1), 32, 4, &Progress::default())
+        .apertures(&sensors, &groups(1), 64, 4, &Progress::default())
         .expect("cells");
     let of = |value: fn(&crate::room::SeenCell) -> f32| seen[0].iter().map(|c| f64::from(value(c))).sum::<f64>();
-    is_near(of(|c| c.projected), 4.0 * PI * corner_factor(1.0, 1.0, 1.0), 0.002);
+    // Probes that an edge of the window cuts through count wholly or not at all.
+    is_near(of(|c| c.projected), 4.0 * PI * corner_factor(1.0, 1.0, 1.0), 0.004);
     // A face of a cube from its middle.
-    is_near(of(|c| c.solid_angle), 4.0 * PI / 6.0, 0.002);
+    is_near(of(|c| c.solid_angle), 4.0 * PI / 6.0, 0.004);
     let axis: f64 = seen[0].iter().map(|c| f64::from(c.solid_angle * c.direction[0])).sum();
     assert!(axis.abs() < 1e-3);
 }
