@@ -109,4 +109,4 @@ def _tell_plan(study: Study, *, as_json: bool) -> None:
         print_json(plan)
         return
     for key, value in plan.items():
-        say(f"{key.replace('_', ' ')}: {', '.join(value) if isinstance(value, list) else value}")
+        say(f"{key.replace('_', ' ')}: {'; '.join(value) if isinstance(value, list) else value}")
