@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from clerestory.annual.cache import Cache
 from clerestory.annual.matrices import RoomMatrices
@@ -16,7 +16,7 @@ from clerestory.annual.year import INDICES, RoomYear, Sampling
 from clerestory.room.recipe import System
 from clerestory.room.world import load as load_room
 from clerestory.room.world import system_of
-from clerestory.trace.keys import Keys, RecipeError, one_line, wrong
+from clerestory.trace.keys import Keys, Positive, RecipeError, wrong
 from clerestory.trace.recipe import read_toml
 from clerestory.weather import Hours, SkyYear, read_weather, synthetic_year
 
@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from clerestory.bsdf import Bsdf
     from clerestory.room import Room
     from clerestory.weather import Weather
-
-Positive = Annotated[float, Field(gt=0.0)]
 
 
 class WorkingHours(Keys):
@@ -83,20 +81,6 @@ class Recipe(Keys):
         if self.views and self.method == "3-phase":
             raise wrong("views", "glare needs the sun at a data set's resolution (give the method 5-phase)")
         return self
-
-    @classmethod
-    def of(cls, tables: dict[str, Any]) -> Recipe:
-        """From its tables.
-
-        Raises
-        ------
-        RecipeError
-            The first key that is wrong.
-        """
-        try:
-            return cls.model_validate(tables)
-        except ValidationError as error:
-            raise RecipeError(one_line(error, tables)) from None
 
 
 @dataclass(frozen=True)

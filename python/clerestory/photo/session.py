@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
-from clerestory.trace.keys import Keys, NotNegative, Number, Positive, RecipeError, one_line, wrong
+from clerestory.trace.keys import Keys, NotNegative, Number, Positive, wrong
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    pass
 
 LIMIT_PERCENT = 25.0
 """A picture whose illuminance is further from the measured one is not to be used (Pierson et al. 2021)."""
@@ -184,18 +184,3 @@ class Session(Keys):
                 if used:
                     raise wrong(key, "needs to know where the lens puts directions (give lens.projection)")
         return self
-
-    @classmethod
-    def of(cls, tables: Mapping[str, Any]) -> Session:
-        """A session from its tables, as `tomllib` reads them.
-
-        Raises
-        ------
-        RecipeError
-            The first key that is wrong, as `lens.field_deg: what (what to do)`.
-        """
-        data = dict(tables)
-        try:
-            return cls.model_validate(data)
-        except ValidationError as error:
-            raise RecipeError(one_line(error, data)) from None

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
-from clerestory.trace.keys import Fraction, Keys, NotNegative, Number, Positive, RecipeError, one_line, wrong
+from clerestory.trace.keys import Fraction, Keys, NotNegative, Number, Positive, wrong
 from clerestory.trace.materials import Material
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    pass
 
 Point = Annotated[list[Number], Field(min_length=3, max_length=3)]
 """x, y, z [m]: east, north, up, unless the sky's north is turned."""
@@ -271,18 +271,3 @@ class Recipe(Keys):
             if sensors.height_m is not None and self.room is None:
                 raise wrong(f"sensors.{name}.height_m", "a grid needs [room] (give points_m)")
         return self
-
-    @classmethod
-    def of(cls, tables: Mapping[str, Any]) -> Recipe:
-        """A recipe from its tables, as `tomllib` reads them.
-
-        Raises
-        ------
-        RecipeError
-            The first key that is wrong, as `room.width_m: what (what to do)`.
-        """
-        data = dict(tables)
-        try:
-            return cls.model_validate(data)
-        except ValidationError as error:
-            raise RecipeError(one_line(error, data)) from None

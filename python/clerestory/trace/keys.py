@@ -5,15 +5,14 @@ from __future__ import annotations
 import difflib
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
 from clerestory._core import ClerestoryError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from pydantic import ValidationError
+    from collections.abc import Iterable, Mapping, Sequence
+    from typing import Self
 
 
 class RecipeError(ClerestoryError):
@@ -35,6 +34,21 @@ class Keys(BaseModel):
                 if key not in cls.model_fields:
                     raise wrong(str(key), f"there is no such key ({suggestion(str(key), cls.model_fields)})")
         return data
+
+    @classmethod
+    def of(cls, tables: Mapping[str, Any]) -> Self:
+        """From its tables, as `tomllib` reads them.
+
+        Raises
+        ------
+        RecipeError
+            The first key that is wrong, as `room.width_m: what (what to do)`.
+        """
+        data = dict(tables)
+        try:
+            return cls.model_validate(data)
+        except ValidationError as error:
+            raise RecipeError(one_line(error, data)) from None
 
 
 def wrong(key: str, text: str) -> PydanticCustomError:

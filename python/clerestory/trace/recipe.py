@@ -6,17 +6,16 @@ import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
 from clerestory.trace.bands import Bands
-from clerestory.trace.keys import Keys, RecipeError, one_line
+from clerestory.trace.keys import Keys, RecipeError
 from clerestory.trace.kinds import AnySample
 from clerestory.trace.materials import Material
 from clerestory.trace.media import Medium
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Mapping
 
 
 class Recipe(Keys):
@@ -30,21 +29,6 @@ class Recipe(Keys):
     """What surfaces do with light, by names that the sample uses."""
     media: dict[str, Medium] = Field(default_factory=dict)
     """What bodies are made of, by names that the sample uses."""
-
-    @classmethod
-    def of(cls, tables: Mapping[str, Any]) -> Recipe:
-        """A recipe from its tables, as `tomllib` reads them.
-
-        Raises
-        ------
-        RecipeError
-            The first key that is wrong, as `sample.slat.width_mm: what (what to do)`.
-        """
-        data = dict(tables)
-        try:
-            return cls.model_validate(data)
-        except ValidationError as error:
-            raise RecipeError(one_line(error, data)) from None
 
 
 def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
