@@ -65,10 +65,6 @@ class Cache:
         """Where something is, or would be."""
         return self.folder / f"{kind}-{digest(VERSION, kind, dict(key))[:40]}.npz"
 
-    def has(self, kind: str, key: Mapping[str, object]) -> bool:
-        """Whether there is a file; it may be damaged."""
-        return self.path_of(kind, key).is_file()
-
     def get(self, kind: str, key: Mapping[str, object], compute: Callable[[], Arrays]) -> Arrays:
         """Arrays of this kind and key, computed if they are not there.
 

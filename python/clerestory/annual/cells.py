@@ -101,6 +101,18 @@ def _scattered(bsdf: Bsdf, band: str | None, basis: _core.Basis, outgoing: Doubl
     return found
 
 
+@dataclass(frozen=True)
+class CellLight:
+    """What the cells of windows send at some steps, and the sun straight through them."""
+
+    sky: Floats
+    """(cells, steps) radiance by sky and ground."""
+    sun: Floats
+    """(cells, steps) radiance by the sun, without its disc."""
+    straight: Doubles
+    """(points, steps) on a plane that faces the sun, of the sun that is seen through windows."""
+
+
 class SeenWindows:
     """What points see of the windows' cells.
 
@@ -146,13 +158,14 @@ class SeenWindows:
         """Irradiance (points, steps) by the radiance of cells (cells, steps)."""
         return np.asarray(self._weights @ radiance, dtype=np.float64)
 
-    def irradiance_of_sun(self, light: Light) -> Doubles:
-        """Irradiance (points, steps) that the sun gives directly through the windows."""
-        scattered = self.from_cells(self.through.radiance(self.numbers, light.suns, light.irradiance).T)
-        straight = self.through.through(self.points, light.suns, light.irradiance)
-        return scattered + straight * np.maximum(self.normals @ light.suns.T, 0.0)
+    def light(self, light: Light) -> CellLight:
+        """What the cells and the sun send at some steps."""
+        return CellLight(
+            self.sky.radiance(light.diffuse, light.sky),
+            self.through.radiance(self.numbers, light.suns, light.irradiance).T,
+            self.through.through(self.points, light.suns, light.irradiance),
+        )
 
-    def radiance(self, light: Light) -> Floats:
-        """Radiance (cells, steps) but for the sun's disc."""
-        by_sun = self.through.radiance(self.numbers, light.suns, light.irradiance).T
-        return self.sky.radiance(light.diffuse, light.sky) + by_sun
+    def irradiance_of_sun(self, light: Light, cells: CellLight) -> Doubles:
+        """Irradiance (points, steps) that the sun gives directly through the windows."""
+        return self.from_cells(cells.sun) + cells.straight * np.maximum(self.normals @ light.suns.T, 0.0)

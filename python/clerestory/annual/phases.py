@@ -66,12 +66,6 @@ class Transfer:
             reflection = np.zeros_like(transmission)
         return cls(transmission, np.minimum(beam, np.diag(transmission)), reflection)
 
-    @classmethod
-    def black(cls, basis: Basis) -> Transfer:
-        """Lets nothing pass."""
-        none = np.zeros((len(basis), len(basis)), dtype=np.float32)
-        return cls(none, np.zeros(len(basis), dtype=np.float32), none)
-
 
 def straight_through(bsdf: Bsdf, incident: Doubles, band: str | None = None) -> Doubles:
     """Transmittance (n) of the beams that go straight on, of incident directions (n, 3) from outside."""

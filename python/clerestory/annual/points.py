@@ -12,7 +12,7 @@ from clerestory.photometry import EFFICACY
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from clerestory.annual.cells import SeenWindows
+    from clerestory.annual.cells import CellLight, SeenWindows
     from clerestory.annual.matrices import Matrix
 
     Doubles = NDArray[np.float64]
@@ -63,17 +63,20 @@ class Lit:
         self._direct = view.direct @ once
         self._seen = seen
 
-    def irradiance(self, light: Light) -> tuple[Doubles, Doubles]:
-        """(points, steps) of all light, and of the sun's that has met nothing in the room."""
+    def irradiance(self, light: Light, cells: CellLight | None) -> tuple[Doubles, Doubles]:
+        """(points, steps) of all light, and of the sun's that has met nothing in the room.
+
+        `cells` is what the cells send that the points see, if they are seen by cells.
+        """
         found = (self._all @ light.arrives).astype(np.float64)
-        if self._seen is None:
+        if self._seen is None or cells is None:
             return found, (self._direct @ light.directly).astype(np.float64)
-        by_sun = self._seen.irradiance_of_sun(light)
-        exact = self._seen.from_cells(self._seen.sky.radiance(light.diffuse, light.sky)) + by_sun
-        return found - self._direct @ light.arrives + exact, by_sun
+        by_sun = self._seen.irradiance_of_sun(light, cells)
+        return found - self._direct @ light.arrives + self._seen.from_cells(cells.sky) + by_sun, by_sun
 
     def illuminance(self, light: Light) -> tuple[Floats, Floats]:
         """The same as illuminance (steps, points) [lx]."""
-        both = (EFFICACY * np.maximum(e, 0.0).T.astype(np.float32) for e in self.irradiance(light))
+        cells = None if self._seen is None else self._seen.light(light)
+        both = (EFFICACY * np.maximum(e, 0.0).T.astype(np.float32) for e in self.irradiance(light, cells))
         every, direct = both
         return every, direct

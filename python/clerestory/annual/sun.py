@@ -145,15 +145,18 @@ class SunThrough:
         found[:, up] = share * irradiance[up]
         return found
 
-    def seen_by(self, eye: Eye, suns: Doubles, irradiance: Doubles) -> SunSeen:
-        """What an eye sees of suns (steps, 3), that give `irradiance` (steps) to a plane that faces them."""
+    def seen_by(self, eye: Eye, suns: Doubles, irradiance: Doubles, straight: Doubles) -> SunSeen:
+        """What an eye sees of suns (steps, 3), that give `irradiance` (steps) to a plane that faces them.
+
+        `straight` (steps) is what is seen of that through windows.
+        """
         surfaces = np.zeros((len(eye.directions), len(suns)), dtype=np.float32)
         passed = np.stack([self.beams(group, suns) for group in range(len(self.systems))]) * irradiance
         up = np.flatnonzero(passed.max(axis=0) > 0.0)
         if len(up):
             groups, factors = self.matrices.sunlit(eye.point[0], eye.directions, suns[up])
             surfaces[:, up] = np.where(groups >= 0, factors * passed[:, up][groups, np.arange(len(up))], 0.0)
-        return SunSeen(suns, self.through(eye.point, suns, irradiance)[0], surfaces)
+        return SunSeen(suns, straight, surfaces)
 
     def _lit(self, group: int, suns: Doubles) -> Doubles:
         """Share of a group's windows that each sun reaches from outside."""

@@ -205,11 +205,15 @@ class _Eyes:
 
     def rated(self, light: Light) -> dict[str, dict[str, Doubles]]:
         """Illuminance [lx] and indices (steps) of each eye."""
-        suns = [self._seen.through.seen_by(eye, light.suns, light.irradiance) for eye in self._eyes.values()]
-        lit = self._lit.irradiance(light)[0] - self._by_beams @ light.directly
+        cells = self._seen.light(light)
+        suns = [
+            self._seen.through.seen_by(eye, light.suns, light.irradiance, straight)
+            for eye, straight in zip(self._eyes.values(), cells.straight, strict=True)
+        ]
+        lit = self._lit.irradiance(light, cells)[0] - self._by_beams @ light.directly
         lit += np.stack([sun.from_surfaces for sun in suns])
         illuminance = EFFICACY * np.maximum(lit, 0.0)
-        luminances = (EFFICACY * (self._seen.radiance(light) + self._returns @ light.arrives)).astype(np.float32)
+        luminances = (EFFICACY * (cells.sky + cells.sun + self._returns @ light.arrives)).astype(np.float32)
         found: dict[str, dict[str, Doubles]] = {}
         dark = np.full(light.steps, np.nan)
         for (name, eye), sun, at_eye in zip(self._eyes.items(), suns, illuminance, strict=True):
