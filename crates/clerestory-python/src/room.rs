@@ -47,6 +47,23 @@ impl std::fmt::Write for Mark {
     }
 }
 
+/// Sensors at points (n, 3) that face along normals (n, 3).
+pub fn sensors(points: &PyReadonlyArray2<'_, f64>, normals: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Sensor>> {
+    let (points, normals) = (points.as_array(), normals.as_array());
+    if points.ncols() != 3 || normals.dim() != points.dim() {
+        return Err(ClerestoryError::new_err("points and normals do not fit together"));
+    }
+    Ok(points
+        .rows()
+        .into_iter()
+        .zip(normals.rows())
+        .map(|(p, n)| Sensor {
+            point: Vec3::new(p[0], p[1], p[2]),
+            normal: Vec3::new(n[0], n[1], n[2]),
+        })
+        .collect())
+}
+
 /// Shapes of a room, each with its surface.
 #[pyclass(name = "RoomShapes", module = "clerestory")]
 #[derive(Default)]
@@ -258,19 +275,7 @@ impl PyRoom {
         seed: u64,
         report: Option<Py<PyAny>>,
     ) -> PyResult<Irradiance<'py>> {
-        let (points, normals) = (points.as_array(), normals.as_array());
-        if points.ncols() != 3 || normals.dim() != points.dim() {
-            return Err(ClerestoryError::new_err("points and normals do not fit together"));
-        }
-        let sensors: Vec<Sensor> = points
-            .rows()
-            .into_iter()
-            .zip(normals.rows())
-            .map(|(p, n)| Sensor {
-                point: Vec3::new(p[0], p[1], p[2]),
-                normal: Vec3::new(n[0], n[1], n[2]),
-            })
-            .collect();
+        let sensors = sensors(&points, &normals)?;
         let room = self.0.clone();
         let found = watched(py, report.as_ref(), |progress| {
             room.irradiance(&sensors, samples, seed, progress)

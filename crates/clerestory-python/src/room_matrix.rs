@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use clerestory::direction::Disk;
 use clerestory::geometry::Vec3;
-use clerestory::room::{Groups, Paths, Room, Rows, Sensor};
+use clerestory::room::{Groups, Paths, Room, Rows};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -13,7 +13,7 @@ use crate::basis::PyBasis;
 use crate::errors::{ClerestoryError, raise};
 use crate::jobs::watched;
 use crate::picture::PyView;
-use crate::room::PyRoom;
+use crate::room::{PyRoom, sensors};
 use crate::sky::PySkyPatches;
 
 /// All and direct light (rows, columns, 3) and the standard errors of the photopic mean of all (rows, columns).
@@ -52,15 +52,6 @@ fn vectors(array: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Vec3>> {
         return Err(ClerestoryError::new_err("points and directions have x, y and z"));
     }
     Ok(array.rows().into_iter().map(|p| Vec3::new(p[0], p[1], p[2])).collect())
-}
-
-fn sensors(points: &PyReadonlyArray2<'_, f64>, normals: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Sensor>> {
-    let (points, normals) = (vectors(points)?, vectors(normals)?);
-    if points.len() != normals.len() {
-        return Err(ClerestoryError::new_err("points and normals do not fit together"));
-    }
-    let both = points.into_iter().zip(normals);
-    Ok(both.map(|(point, normal)| Sensor { point, normal }).collect())
 }
 
 /// Windows of a room in groups, each divided into patches of a basis.
