@@ -92,13 +92,7 @@ def _scattered(bsdf: Bsdf, band: str | None, basis: _core.Basis, outgoing: Doubl
     # Each point stands for an equal part of its patch.
     area = np.asarray(basis.projected_solid_angles())[patch] / np.bincount(patch, minlength=len(basis))[patch]
     found = np.zeros((len(outgoing), len(basis)), dtype=np.float32)
-    order = np.argsort(patch, kind="stable")
-    first = np.searchsorted(patch[order], np.arange(len(basis)))
-    for start in range(0, len(outgoing), 256):
-        part = slice(start, start + 256)
-        values = bsdf.evaluate(-incident[order][None, :, :], outgoing[part, None, :], band)
-        found[part] = np.add.reduceat(np.maximum(values, 0.0) * area[order], first, axis=1)
-    return found
+    return bsdf._core.gather(-incident, area, patch, len(basis), np.ascontiguousarray(outgoing), band, "transmission")
 
 
 @dataclass(frozen=True)
@@ -162,7 +156,7 @@ class SeenWindows:
         """What the cells and the sun send at some steps."""
         return CellLight(
             self.sky.radiance(light.diffuse, light.sky),
-            self.through.radiance(self.numbers, light.suns, light.irradiance).T,
+            self.through.radiance(self.numbers, light.suns, light.irradiance),
             self.through.through(self.points, light.suns, light.irradiance),
         )
 
