@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,12 +45,12 @@ class Light:
         """(groups · patches, steps) all that arrives at windows."""
         return self.diffuse + self.directly
 
-    def of(self, steps: NDArray[np.bool_]) -> Light:
-        """Of some of its steps (n)."""
-        if steps.all():
-            return self
-        sky, diffuse, directly = (np.compress(steps, a, axis=1) for a in (self.sky, self.diffuse, self.directly))
-        return Light(sky, diffuse, directly, self.suns[steps], self.irradiance[steps])
+    def only(self, steps: NDArray[np.bool_]) -> Light:
+        """With the sun at some of its steps (n) alone, for those who want to know no others.
+
+        The arrays keep their shapes: products of matrices have other last digits for fewer columns.
+        """
+        return replace(self, irradiance=np.where(steps, self.irradiance, 0.0))
 
     @property
     def size(self) -> int:

@@ -93,7 +93,7 @@ def write(study: Study, outcomes: Sequence[Outcome], folder: Path) -> list[Path]
     return made
 
 
-def _illuminances(study: Study, names: Sequence[str]) -> Iterator[tuple[tuple[int, slice, slice], NDArray[np.float32]]]:
+def _illuminances(study: Study, names: Sequence[str]) -> Iterator[tuple[dataset.Place, NDArray[np.float32]]]:
     """Of all data sets, steps and points, with their places."""
     for block, name, part in study.parts():
         if not block.views:

@@ -59,14 +59,20 @@ class Sampling:
 class Part:
     """Some steps of a year."""
 
-    steps: slice
-    """Which."""
+    steps: slice | NDArray[np.int64]
+    """Which: all of a part of the year, or those that were asked for."""
     illuminance: Floats
     """(steps, points) [lx]."""
     direct: Floats
     """(steps, points) the sun's part that has met nothing in the room [lx]."""
     eyes: dict[str, dict[str, Doubles]] = field(default_factory=dict)
     """Of each eye, by name: illuminance [lx] and indices (steps)."""
+
+    def of(self, rows: NDArray[np.int64]) -> Part:
+        """Some of its steps, by their place in it."""
+        eyes = {name: {key: values[rows] for key, values in found.items()} for name, found in self.eyes.items()}
+        numbers = np.arange(self.steps.start, self.steps.stop) if isinstance(self.steps, slice) else self.steps
+        return Part(numbers[rows], self.illuminance[rows], self.direct[rows], eyes)
 
 
 class RoomYear:
@@ -141,7 +147,7 @@ class RoomYear:
         progress
             Called with the share that is done.
         when
-            The steps (n) that are asked for of some data sets; the others are as dark as the night.
+            The steps (n) that are asked for of some data sets; parts have no others.
         steps
             Which of `chunks`; all by default.
         """
@@ -157,7 +163,10 @@ class RoomYear:
         for done, part in enumerate(chunks, start=1):
             for name, systems in data_sets.items():
                 lit = is_lit[part]
-                asked = lit & when[name][part] if when is not None and name in when else lit
+                wanted = None if when is None else when.get(name)
+                if wanted is not None and not wanted[part].any():
+                    continue
+                asked = lit if wanted is None else lit & wanted[part]
 
                 def compute(
                     part: slice = part,
@@ -167,11 +176,12 @@ class RoomYear:
                 ) -> Arrays:
                     if name not in prepared:
                         prepared[name] = self._prepared(systems)
-                    return self._computed(self.arrivals.at(part).of(chosen), *prepared[name])
+                    return self._computed(self.arrivals.at(part), chosen, *prepared[name])
 
                 key = self._key | {"systems": marks[name], "steps": [part.start, part.stop], "asked": digest(asked)}
                 found = self.matrices.cache.get("part", key, compute) if asked.any() else {}
-                yield name, self._part(part, np.flatnonzero(asked), found)
+                made = self._part(part, np.flatnonzero(asked), found)
+                yield name, made if wanted is None else made.of(np.flatnonzero(wanted[part]))
             if progress is not None:
                 progress(done / len(chunks))
 
@@ -207,13 +217,14 @@ class RoomYear:
         points = self._of_points(systems, once, whole) if len(self._points) else None
         return points, _Eyes(self, systems, transfers, once, whole) if self._lines else None
 
-    def _computed(self, light: Light, points: Lit | None, eyes: _Eyes | None) -> Arrays:
-        """What is found at the steps of some light."""
+    def _computed(self, light: Light, chosen: NDArray[np.bool_], points: Lit | None, eyes: _Eyes | None) -> Arrays:
+        """What is found at the chosen steps of some light."""
         made: Arrays = {}
+        only = light.only(chosen)
         if points is not None:
-            made["illuminance"], made["direct"] = points.illuminance(light)
+            made["illuminance"], made["direct"] = (values[chosen] for values in points.illuminance(only))
         if eyes is not None:
-            rated = eyes.rated(light)
+            rated = eyes.rated(only, chosen)
             made["eyes"] = np.array([[rated[name][index] for index in EYE] for name in self._lines])
         return made
 
@@ -257,8 +268,8 @@ class _Eyes:
         self._by_beams = (met.direct - view.direct) * np.concatenate([transfer.beam for transfer in transfers])
         self._returns = (whole - once)[self._seen.sky.patch]
 
-    def rated(self, light: Light) -> dict[str, dict[str, Doubles]]:
-        """Illuminance [lx] and indices (steps) of each eye."""
+    def rated(self, light: Light, chosen: NDArray[np.bool_]) -> dict[str, dict[str, Doubles]]:
+        """Illuminance [lx] and indices (steps) of each eye at the chosen steps."""
         cells = self._seen.light(light)
         suns = [
             self._seen.through.seen_by(eye, light.suns, light.irradiance, straight)
@@ -269,8 +280,10 @@ class _Eyes:
         illuminance = EFFICACY * np.maximum(lit, 0.0)
         luminances = (EFFICACY * (cells.sky + cells.sun + self._returns @ light.arrives)).astype(np.float32)
         found: dict[str, dict[str, Doubles]] = {}
-        dark = np.full(light.steps, np.nan)
+        dark = np.full(np.count_nonzero(chosen), np.nan)
         for (name, eye), sun, at_eye in zip(self._eyes.items(), suns, illuminance, strict=True):
-            rated = rate(eye, self._seen.cells.numbers, luminances, sun.scaled(EFFICACY), at_eye, self._settings)
-            found[name] = {"illuminance": at_eye} | {index: rated.get(index, dark) for index in INDICES}
+            rated = rate(
+                eye, self._seen.cells.numbers, luminances, sun.scaled(EFFICACY), at_eye, chosen, self._settings
+            )
+            found[name] = {"illuminance": at_eye[chosen]} | {index: rated.get(index, dark) for index in INDICES}
         return found

@@ -55,9 +55,7 @@ def nearest_closed(needed_deg: ArrayLike, tilts_deg: Sequence[float]) -> NDArray
     return np.minimum(found, len(tilts) - 1)
 
 
-def tilt_states(
-    needed_deg: ArrayLike, tilts_deg: Sequence[float], *, hysteresis_deg: float = 0.0
-) -> NDArray[np.int64]:
+def tilt_states(needed_deg: ArrayLike, tilts_deg: Sequence[float], *, hysteresis_deg: float = 0.0) -> NDArray[np.int64]:
     """The same with hysteresis: slats open to a tilt only if it would do with `hysteresis_deg` more."""
     needed = np.asarray(needed_deg, dtype=np.float64)
     return held(nearest_closed(needed, tilts_deg), nearest_closed(needed + hysteresis_deg, tilts_deg))

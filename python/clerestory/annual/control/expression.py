@@ -175,8 +175,8 @@ def _value(node: ast.expr, values: Mapping[str, Value], calls: Mapping[tuple[str
         case ast.Compare(left=left, ops=ops, comparators=others):
             sides = [of(left), *(of(part) for part in others)]
             found = _COMPARISONS[type(ops[0])](sides[0], sides[1])
-            for op, low, high in zip(ops[1:], sides[1:], sides[2:], strict=False):
-                found = np.logical_and(found, _COMPARISONS[type(op)](low, high))
+            for comparison, low, high in zip(ops[1:], sides[1:], sides[2:], strict=False):
+                found = np.logical_and(found, _COMPARISONS[type(comparison)](low, high))
             return found
         case ast.Constant(value=value):
             return value
@@ -185,5 +185,5 @@ def _value(node: ast.expr, values: Mapping[str, Value], calls: Mapping[tuple[str
         case ast.Call(func=ast.Name(id=name), args=args):
             if name in _FUNCTIONS:
                 return _FUNCTIONS[name][0](*(of(part) for part in args))
-            return calls[name, tuple(part.value for part in args if isinstance(part, ast.Constant))]
+            return calls[name, tuple(str(part.value) for part in args if isinstance(part, ast.Constant))]
     raise AssertionError(ast.dump(node))

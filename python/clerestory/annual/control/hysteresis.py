@@ -68,9 +68,8 @@ def levels(
     for k, hours in enumerate(np.asarray(interval, dtype=np.float64).tolist()):
         # What is kept depends on the state that the windows are in, not on the one that they would be in.
         wish = max(int(reached[k]), min(state, int(kept[k])))
-        if wish > state and closing >= close_after - 1e-9:
-            state = wish
-        elif wish < state and opening >= open_after - 1e-9:
+        waited, delay = (closing, close_after) if wish > state else (opening, open_after)
+        if waited >= delay - 1e-9:
             state = wish
         closing = closing + hours if int(reached[k]) > state else 0.0
         opening = opening + hours if int(kept[k]) < state else 0.0

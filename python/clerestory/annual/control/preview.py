@@ -41,8 +41,8 @@ class Preview:
         Data set of the windows in each state.
     points, normals
         (n, 3) [m], and (n, 3) of length 1.
-    samples, daylight
-        Paths of a point, and of a patch of the windows.
+    samples, returned
+        Paths of a point, and of a patch of the windows into the room.
     """
 
     def __init__(
@@ -53,18 +53,18 @@ class Preview:
         normals: Doubles,
         *,
         samples: int,
-        daylight: int,
+        returned: int,
     ) -> None:
         self.points, self.normals = points, normals
         self._matrices = matrices
         groups, patches = len(matrices), len(matrices.basis)
         view = matrices.view(points, normals, samples=samples)
-        returned = [matrices.returned(g, samples=daylight).all for g in range(groups)]
+        back = [matrices.returned(g, samples=returned).all for g in range(groups)]
         self._parts = [slice(g * patches, (g + 1) * patches) for g in range(groups)]
         self._all, self._scattered, self._through = [], [], []
         for bsdf in states:
             transfer = Transfer.of(bsdf, matrices.basis)
-            self._all.append(view.all @ leaving([transfer] * groups, returned))
+            self._all.append(view.all @ leaving([transfer] * groups, back))
             around = transfer.transmission - np.diag(transfer.beam)
             self._scattered.append([view.direct[:, part] @ around for part in self._parts])
             self._through.append(SunThrough(matrices, (bsdf,) * groups))
@@ -110,7 +110,7 @@ def _position_index(view: View, suns: Doubles) -> Doubles:
     from clerestory.glare import rate
 
     found = np.full(len(suns), np.inf)
-    before = np.flatnonzero(suns @ np.asarray(view.direction) > 0.0)
+    before = np.flatnonzero(suns @ view.frame[2] > 0.0)
     # Only the places count.
     rated = rate([(suns[k], 1e9, 1e-5) for k in before], view, 1e4)
     if len(rated.sources) != len(before):

@@ -54,9 +54,12 @@ def chosen(
     """
     is_sequential = any(rule.when is not None and STATE in rule.when.names for rule in rules)
     before = states if is_sequential else states[:1]
-    table = np.stack([_of(rules, states, {**series, STATE: name}, measured, steps) for name in before])
+    table: NDArray[np.int64] = np.stack(
+        [_of(rules, states, {**series, STATE: name}, measured, steps) for name in before]
+    )
     if not is_sequential:
-        return table[0]
+        once: NDArray[np.int64] = table[0]
+        return once
     found = np.empty(steps, dtype=np.int64)
     state = 0
     for k in range(steps):

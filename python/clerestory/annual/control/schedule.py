@@ -165,9 +165,9 @@ def _of_parquet(path: Path) -> tuple[dict[str, list[str]], list[str]]:
     try:
         table = parquet.read_table(path)
     except lib.ArrowException as error:
-        raise ClerestoryError(f"it is not whole, or no Parquet file: {str(error).splitlines()[0]} (write it again)") from (
-            error
-        )
+        raise ClerestoryError(
+            f"it is not whole, or no Parquet file: {str(error).splitlines()[0]} (write it again)"
+        ) from (error)
     columns = {str(name): [str(v) for v in table[name].to_pylist()] for name in table.column_names}
     return columns, [f"row {k + 1}" for k in range(table.num_rows)]
 

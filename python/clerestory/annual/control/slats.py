@@ -2,8 +2,8 @@
 
 Slats are thin arcs over their chord, one above the other without end. In the section a ray of profile angle Ω is a
 line; projected along it a slat is an interval, and the sun is kept out where the interval is at least as long as the
-distance between slats, S cos Ω. With ψ = tilt + Ω, half the arc's angle α and its radius R = W / (2 sin α), the interval
-is W sin ψ long for ψ ≥ α, as a flat slat's, and R (1 - cos(α + ψ)) below, where the crown is in the way.
+distance between slats, S cos Ω. With ψ = tilt + Ω, half the arc's angle α and its radius R = W / (2 sin α), the
+interval is W sin ψ long for ψ ≥ α, as a flat slat's, and R (1 - cos(α + ψ)) below, where the crown is in the way.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Slats:
             )
         if abs(self.crown) > 0.5 * self.width:
             raise ClerestoryError(
-                f"a crown of {self.crown:g} is more than a half circle over {self.width:g} (give half the width or less)"
+                f"a crown of {self.crown:g} is more than a half circle over {self.width:g} (give half of that or less)"
             )
 
     @property
