@@ -45,6 +45,7 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "eye_illuminance": ("vertical illuminance at the eye", "lx"),
     "dgp": ("daylight glare probability", "1"),
     "dgi": ("daylight glare index", "1"),
+    "state": ("state of the windows", "1"),
 }
 """Long name and unit of every variable."""
 SUFFIXES = (".nc", ".zarr", ".csv")

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from clerestory.annual.control.states import Operated
     from clerestory.weather import Weather
     from clerestory.weather.weather import Times
 
@@ -128,6 +129,17 @@ def read(path: Path, weather: Weather, states: Sequence[str], groups: Sequence[s
                 raise ClerestoryError(f"{lines[row]}, column {name}: no state {text!r} ({suggestion(text, states)})")
             found[k, row] = states.index(text)
     return found
+
+
+def text(weather: Weather, operated: Operated) -> str:
+    """A schedule as a CSV file, which `read` takes."""
+    made = io.StringIO()
+    writer = csv.writer(made, lineterminator="\n")
+    writer.writerow([TIME, *operated.groups])
+    times = [str(t).replace("T", " ") for t in weather.times.astype("datetime64[s]")]
+    names = np.array(operated.names)[operated.states]
+    writer.writerows(zip(times, *names.tolist(), strict=True))
+    return made.getvalue()
 
 
 def _columns(path: Path) -> tuple[dict[str, list[str]], list[str]]:
