@@ -101,6 +101,19 @@ def test_a_plan_computes_nothing(study, capsys):
     assert not (study / "cache").exists()
 
 
+def test_critical_moments(study, capsys):
+    out = study / "moments"
+    assert run(study / "study.toml", "-o", out, "--cache", study / "cache", "--critical", "--json") == 0
+    found = json.loads(capsys.readouterr().out)["moments"]
+    # The sun is seen from the desk around noon of the sunny day, through either pane; the dark one is too dark for more.
+    assert {moment["data_set"] for moment in found} == {"clear", "dark"}
+    for moment in found:
+        assert moment["time"].startswith("2001-03-20")
+        assert moment["dgp"] >= 0.35
+    assert any(moment["cause"] == "sun in view" for moment in found)
+    assert len((out / "moments.csv").read_text().splitlines()) == 1 + len(found)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
