@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -69,14 +69,25 @@ class Arrivals:
         The skies.
     samples
         Paths of a patch of the windows.
+    value
+        Whether patches of the sky have its mean, or the value at their centre, which is quicker.
     keep
         Light that is kept for the next who asks [B].
     """
 
-    def __init__(self, matrices: RoomMatrices, sky: SkyYear, *, samples: int = 4096, keep: int = 1 << 28) -> None:
+    def __init__(
+        self,
+        matrices: RoomMatrices,
+        sky: SkyYear,
+        *,
+        samples: int = 4096,
+        value: Literal["mean", "centre"] = "mean",
+        keep: int = 1 << 28,
+    ) -> None:
         self.matrices = matrices
         self.sky = sky
         self.samples = samples
+        self.value: Literal["mean", "centre"] = value
         self._keep = keep
         self._kept: OrderedDict[tuple[int, int], Light] = OrderedDict()
 
@@ -92,7 +103,7 @@ class Arrivals:
         years = np.zeros(0) if weather.years is None else weather.years
         series = (weather.times.astype(np.int64), weather.interval, weather.direct, weather.diffuse, dew, years)
         where = [weather.place.latitude, weather.place.longitude, weather.time_zone, weather.illuminances]
-        choices = [sky.basis, sky.preset, sky.quantity, sky.ground_reflectance, sky.north_deg, sky.method]
+        choices = [sky.basis, sky.preset, sky.quantity, sky.ground_reflectance, sky.north_deg, sky.method, self.value]
         return {"sky": digest(*series, where, choices), "daylight": self.samples}
 
     def at(self, steps: slice) -> Light:
@@ -109,7 +120,7 @@ class Arrivals:
         groups = range(len(self.matrices))
         daylight = [self.matrices.daylight(g, self.sky.patches, samples=self.samples) for g in groups]
         lit = np.flatnonzero(self.sky.is_lit[steps])
-        sky = np.asarray(self.sky.columns(steps, part="sky"), dtype=np.float32)[:, lit]
+        sky = np.asarray(self.sky.columns(steps, part="sky", value=self.value), dtype=np.float32)[:, lit]
         sun = np.asarray(self.sky.columns(steps, part="sun"), dtype=np.float32)[:, lit]
         return Light(
             sky=sky,

@@ -271,16 +271,15 @@ class Study:
         """Of its room."""
         return RoomMatrices(self.room, cache=self.cache, seed=self.recipe.seed)
 
+    def sky(self, patches: str) -> SkyYear:
+        """The skies of its weather in patches."""
+        given = self.room.recipe.sky
+        ground, north = given.ground_reflectance, given.north_deg
+        return SkyYear(self.weather, patches, ground_reflectance=ground, north_deg=north)
+
     @cached_property
     def _arrivals(self) -> Arrivals:
-        given = self.room.recipe.sky
-        sky = SkyYear(
-            self.weather,
-            self.recipe.patches,
-            ground_reflectance=given.ground_reflectance,
-            north_deg=given.north_deg,
-        )
-        return Arrivals(self.matrices, sky, keep=int(self._memory / 8.0))
+        return Arrivals(self.matrices, self.sky(self.recipe.patches), keep=int(self._memory / 8.0))
 
     @property
     def _memory(self) -> float:
