@@ -186,6 +186,15 @@ class Study:
             collected[name].add(block, part)
         return [each.outcome() for each in collected.values()]
 
+    @cached_property
+    def warnings(self) -> list[str]:
+        """What is doubtful about the room, and about the places of sensors and eyes."""
+        return [
+            *self.room.warnings,
+            *(text for name in self.sensors for text in self.room.doubts(sensors=name)),
+            *(text for name in self.views for text in self.room.doubts(view=name)),
+        ]
+
     @property
     def names(self) -> list[str]:
         """Names of the data sets, in the order of the recipe."""

@@ -117,7 +117,7 @@ class Expression:
                 raise self._wrong(node, "a text stands only beside == and != or in a call (compare it with a name)")
             case ast.Name(id=name):
                 if name not in self._known:
-                    raise self._wrong(node, f"there is no such name ({suggestion(name, sorted(self._known))})")
+                    raise self._wrong(node, f"no such name ({suggestion(name, sorted(self._known))})")
                 self.names.add(name)
             case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
                 self._check_call(node, name, args)
