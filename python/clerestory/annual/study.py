@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -303,7 +303,8 @@ class Study:
             raise RecipeError("weather: there is no file, and the room has no place to make one up for (give a file)")
         from clerestory.sky import Place
 
-        return synthetic_year(Place(place.latitude, place.longitude, place.timezone))
+        there = Place(place.latitude, place.longitude, place.timezone)
+        return synthetic_year(replace(there, timezone=there.standard_hours(_TYPICAL)))
 
     def _data_sets(self, folder: Path) -> dict[str, list[Bsdf]]:
         groups = RoomMatrices.systems_of(self.room)
@@ -337,6 +338,8 @@ class Study:
 
 
 _THRESHOLDS = (50.0, 100.0, 300.0, 500.0, 750.0)
+_TYPICAL = 2001
+"""Year whose clock counts where the weather is made up."""
 _EYES = 16
 """Eyes that are found together."""
 _SEEN = 64.0
