@@ -11,6 +11,7 @@ import numpy as np
 from clerestory._core import ClerestoryError
 from clerestory.annual.cache import digest
 from clerestory.annual.cells import SeenCells, SeenWindows
+from clerestory.annual.coefficients import Coefficients
 from clerestory.annual.glare import rate
 from clerestory.annual.phases import Transfer, leaving
 from clerestory.annual.points import Lit
@@ -26,13 +27,14 @@ if TYPE_CHECKING:
 
     from clerestory.annual.arrivals import Arrivals, Light
     from clerestory.annual.cache import Arrays
+    from clerestory.annual.matrices import Matrix
     from clerestory.bsdf import Bsdf
 
     Doubles = NDArray[np.float64]
     Floats = NDArray[np.float32]
 
-Method = Literal["3-phase", "5-phase"]
-METHODS: tuple[Method, ...] = ("3-phase", "5-phase")
+Method = Literal["2-phase", "3-phase", "5-phase"]
+METHODS: tuple[Method, ...] = ("2-phase", "3-phase", "5-phase")
 INDICES = ("dgp", "dgi", "ugr", "dgps")
 """Indices that are kept of each eye."""
 EYE = ("illuminance", *INDICES)
@@ -81,7 +83,7 @@ class RoomYear:
     eyes
         Point [m] and line of sight by name.
     method
-        `3-phase`, or `5-phase` with the direct sun at the data set's resolution.
+        `2-phase` by daylight coefficients, `3-phase`, or `5-phase` with the direct sun at the data set's resolution.
     sampling
         How finely.
     settings
@@ -106,7 +108,7 @@ class RoomYear:
         self.method = method
         self.sampling = sampling or Sampling()
         self.settings = settings or Settings()
-        if method == "3-phase" and eyes:
+        if method != "5-phase" and eyes:
             raise ClerestoryError("glare needs the sun at a data set's resolution (give the method 5-phase)")
         nowhere = np.zeros((0, 3))
         self._points = nowhere if points is None else np.asarray(points, dtype=np.float64)
@@ -151,7 +153,7 @@ class RoomYear:
                     f"{name}: {len(systems)} systems for {len(self.matrices)} groups of windows (give one each)"
                 )
         marks = {name: [mark(bsdf) for bsdf in systems] for name, systems in data_sets.items()}
-        prepared: dict[str, tuple[Lit | None, _Eyes | None]] = {}
+        prepared: dict[str, tuple[Lit | Coefficients | None, _Eyes | None]] = {}
         is_lit = self.arrivals.sky.is_lit
         chunks = self.chunks if steps is None else steps
         for done, part in enumerate(chunks, start=1):
@@ -201,13 +203,13 @@ class RoomYear:
         at, towards = (np.concatenate([getattr(e, key) for e in self._eyes.values()]) for key in ("point", "direction"))
         return SeenCells(self.matrices, at, towards, self.sampling.eye_cells)
 
-    def _prepared(self, systems: Sequence[Bsdf]) -> tuple[Lit | None, _Eyes | None]:
+    def _prepared(self, systems: Sequence[Bsdf]) -> tuple[Lit | Coefficients | None, _Eyes | None]:
         transfers = [Transfer.of(bsdf, self.matrices.basis) for bsdf in systems]
         once, whole = leaving(transfers), leaving(transfers, self._returned)
         points = self._of_points(systems, once, whole) if len(self._points) else None
         return points, _Eyes(self, systems, transfers, once, whole) if self._lines else None
 
-    def _computed(self, light: Light, points: Lit | None, eyes: _Eyes | None) -> Arrays:
+    def _computed(self, light: Light, points: Lit | Coefficients | None, eyes: _Eyes | None) -> Arrays:
         """What is found at the steps of some light."""
         made: Arrays = {}
         if points is not None:
@@ -231,11 +233,26 @@ class RoomYear:
                     eyes[name][index][lit] = values
         return Part(part, illuminance, direct, eyes)
 
-    def _of_points(self, systems: Sequence[Bsdf], once: Floats, whole: Floats) -> Lit:
+    def coefficients(self, systems: Sequence[Bsdf]) -> Coefficients:
+        """Daylight coefficients of the points with one choice of systems, one of each group."""
+        transfers = [Transfer.of(bsdf, self.matrices.basis) for bsdf in systems]
+        return self._coefficients(systems, leaving(transfers), leaving(transfers, self._returned))
+
+    def _coefficients(self, systems: Sequence[Bsdf], once: Floats, whole: Floats) -> Coefficients:
+        seen = SeenWindows(self._cells, systems, self.arrivals.sky.patches._core)
+        return Coefficients(self.arrivals, self._view, once, whole, seen)
+
+    @property
+    def _view(self) -> Matrix:
+        return self.matrices.view(self._points, self._normals, samples=self.sampling.view)
+
+    def _of_points(self, systems: Sequence[Bsdf], once: Floats, whole: Floats) -> Lit | Coefficients:
+        if self.method == "2-phase":
+            return self._coefficients(systems, once, whole)
         seen = None
         if self.method == "5-phase":
             seen = SeenWindows(self._cells, systems, self.arrivals.sky.patches._core)
-        return Lit(self.matrices.view(self._points, self._normals, samples=self.sampling.view), once, whole, seen)
+        return Lit(self._view, once, whole, seen)
 
 
 class _Eyes:
