@@ -121,7 +121,7 @@ class Arrivals:
 
     @property
     def matrix(self) -> tuple[Floats, Floats]:
-        """Radiance at the groups' patches by that of the sky's (groups · patches, patches of the sky), and its direct part."""
+        """Radiance at groups' patches by that of the sky's (groups · patches, patches of the sky); all, and the direct."""
         groups = range(len(self.matrices))
         found = [self.matrices.daylight(g, self.sky.patches, samples=self.samples) for g in groups]
         every: Floats = np.concatenate([d.all for d in found])
