@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -47,13 +47,12 @@ class Light:
         """(groups · patches, steps) all that arrives at windows."""
         return self.diffuse + self.directly
 
-    def of(self, steps: NDArray[np.bool_]) -> Light:
-        """Of some of its steps (n)."""
-        if steps.all():
-            return self
-        columns = (self.sky, self.sun, self.diffuse, self.directly)
-        sky, sun, diffuse, directly = (np.compress(steps, a, axis=1) for a in columns)
-        return Light(sky, sun, diffuse, directly, self.suns[steps], self.irradiance[steps])
+    def only(self, steps: NDArray[np.bool_]) -> Light:
+        """With the sun at some of its steps (n) alone, for those who want to know no others.
+
+        The arrays keep their shapes: products of matrices have other last digits for fewer columns.
+        """
+        return replace(self, irradiance=np.where(steps, self.irradiance, 0.0))
 
     @property
     def size(self) -> int:
@@ -121,7 +120,7 @@ class Arrivals:
 
     @property
     def matrix(self) -> tuple[Floats, Floats]:
-        """Radiance at groups' patches by that of the sky's (groups · patches, patches of the sky); all, and the direct."""
+        """Radiance at groups' patches by the sky's (groups · patches, patches of the sky): all, and the direct."""
         groups = range(len(self.matrices))
         found = [self.matrices.daylight(g, self.sky.patches, samples=self.samples) for g in groups]
         every: Floats = np.concatenate([d.all for d in found])

@@ -10,12 +10,15 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
+from clerestory.annual import lm83
 from clerestory.annual.arrivals import Arrivals
 from clerestory.annual.cache import Cache
+from clerestory.annual.control.stage import Stage
+from clerestory.annual.control.states import DataSet, Operated
+from clerestory.annual.control.tables import Lm83
 from clerestory.annual.matrices import RoomMatrices
-from clerestory.annual.metrics import PointYear, joined
+from clerestory.annual.metrics import THRESHOLDS, PointYear, joined
 from clerestory.annual.year import EYE, RoomYear, Sampling
-from clerestory.room.recipe import System
 from clerestory.room.world import load as load_room
 from clerestory.room.world import system_of
 from clerestory.trace.keys import Keys, Positive, RecipeError, wrong
@@ -24,7 +27,7 @@ from clerestory.weather import Hours, SkyYear, read_weather, synthetic_year
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -77,8 +80,8 @@ class Recipe(Keys):
     """Of the random numbers."""
     memory_gb: Annotated[float, Field(ge=0.25)] = 2.0
     """Memory that may be used [GiB]."""
-    data_sets: dict[str, System] = Field(default_factory=dict)
-    """What stands in all windows, by name; what the room has by default."""
+    data_sets: dict[str, DataSet] = Field(default_factory=dict)
+    """What stands in all windows, by name, in one state or several; what the room has by default."""
 
     @model_validator(mode="after")
     def _sound(self) -> Recipe:
@@ -98,6 +101,18 @@ class Block:
 
 
 @dataclass(frozen=True)
+class Choice:
+    """What stands in the windows at some steps."""
+
+    data_set: str
+    """Name of the data set."""
+    systems: list[Bsdf]
+    """Of every group of windows."""
+    when: NDArray[np.bool_] | None = None
+    """The steps (n); None for all."""
+
+
+@dataclass(frozen=True)
 class Outcome:
     """The year of one data set."""
 
@@ -105,10 +120,16 @@ class Outcome:
     """Of the data set."""
     metrics: dict[str, PointMetrics]
     """Of each name of sensors, over the hours that count."""
+    daylight: dict[str, PointMetrics]
+    """The same over the hours with the sun above the horizon, for EN 17037; none if the weather has none."""
+    lm83: dict[str, PointMetrics]
+    """The same over LM-83's hours, with its blinds if there are states; none if the weather has no such hours."""
     direct_hours: NDArray[np.float64]
-    """(points) hours with more than 1000 lx of direct sun [h]."""
+    """(points) of LM-83's hours those with more than 1000 lx of direct sun, in the most open state [h]."""
     eyes: dict[str, dict[str, NDArray[np.float64]]]
     """Of each view: illuminance [lx] and indices (steps)."""
+    operated: Operated | None = None
+    """How the windows stood, if they have states."""
 
 
 class Study:
@@ -125,8 +146,14 @@ class Study:
         """The weather of its year."""
         self.hours = Hours(**recipe.hours.model_dump())
         """Hours that count."""
+        if not self.hours.mask(self.weather).any():
+            raise RecipeError(f"hours: no step of the weather lies in {self.hours.words} (choose others)")
+        self.groups = RoomMatrices.names_of(self.room)
+        """Names of the groups of windows."""
         self.data_sets = self._data_sets(folder)
-        """Data sets of every group of windows, by name."""
+        """Data sets of every group of windows, by name, that stay as they are."""
+        self.stages = self._stages(folder)
+        """Of data sets with states, by name."""
         known = self.room.recipe
         self.sensors = recipe.sensors or list(known.sensors)
         """Names of sensors, in the order of the points."""
@@ -154,15 +181,49 @@ class Study:
         progress
             Called with the share of the year that is done.
         """
-        weights = self.hours.weights(self.weather)
-        collected = {name: _Collected(self, name) for name in self.data_sets}
+        collected = {name: _Collected(self, name) for name in self.names}
         for block, name, part in self.parts(progress):
-            collected[name].add(block, part, weights[part.steps])
+            collected[name].add(block, part)
         return [each.outcome() for each in collected.values()]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the data sets, in the order of the recipe."""
+        return list(self.recipe.data_sets) or list(self.data_sets)
+
+    @cached_property
+    def operated(self) -> dict[str, Operated]:
+        """How the windows stand over the year, by the name of the data set that has states.
+
+        Raises
+        ------
+        RecipeError
+            A law does not say a state at every step.
+        """
+        made = {}
+        for name, stage in self.stages.items():
+            law = self.recipe.data_sets[name].control
+            assert law is not None
+            states = law.chosen(stage, f"data_sets.{name}.control")
+            made[name] = Operated(tuple(stage.states), tuple(stage.groups), states)
+        return made
+
+    @cached_property
+    def choices(self) -> dict[str, Choice]:
+        """What stands in the windows and when, by a name of its own: each data set, or each combination of states."""
+        made = {}
+        for name in self.names:
+            if name in self.data_sets:
+                made[name] = Choice(name, self.data_sets[name])
+                continue
+            bsdfs = self.stages[name].data_sets
+            for numbers, when in self.operated[name].combinations():
+                made[f"{name} {numbers}"] = Choice(name, [bsdfs[k] for k in numbers], when)
+        return made
 
     def parts(self, progress: Callable[[float], object] | None = None) -> Iterator[tuple[Block, str, Part]]:
         """The years of the data sets, some points or eyes and some steps at a time."""
-        names = list(self.data_sets)
+        names = list(self.choices)
         size = max(1, int(self._memory / 4.0 / (_PREPARED * len(self.matrices) ** 2)))
         batches = [names[first : first + size] for first in range(0, len(names), size)]
         done, count = 0, len(self.blocks) * len(batches)
@@ -174,8 +235,11 @@ class Study:
                     if progress is not None:
                         progress((done + share) / count)
 
-                for name, part in year.of({name: self.data_sets[name] for name in batch}, tell):
-                    yield block, name, part
+                chosen = {name: self.choices[name] for name in batch}
+                systems = {name: choice.systems for name, choice in chosen.items()}
+                when = {name: choice.when for name, choice in chosen.items() if choice.when is not None}
+                for name, part in year.of(systems, tell, when=when):
+                    yield block, chosen[name].data_set, part
                 done += 1
 
     @cached_property
@@ -236,12 +300,34 @@ class Study:
         groups = RoomMatrices.systems_of(self.room)
         if not self.recipe.data_sets:
             return {"as in the room": [self.room.system(name) for name in groups]}
-        made = {name: system_of(s, f"data_sets.{name}", folder)[0] for name, s in self.recipe.data_sets.items()}
+        lasting = {name: s for name, s in self.recipe.data_sets.items() if not s.states}
+        made = {name: system_of(s, f"data_sets.{name}", folder)[0] for name, s in lasting.items()}
         return {name: [bsdf] * len(groups) for name, bsdf in made.items()}
+
+    def _stages(self, folder: Path) -> dict[str, Stage]:
+        made = {}
+        for name, given in self.recipe.data_sets.items():
+            if given.control is None:
+                continue
+            key = f"data_sets.{name}"
+            bsdfs = {s: system_of(state, f"{key}.states.{s}", folder)[0] for s, state in given.states.items()}
+            tilts = [state.tilt_deg for state in given.states.values()]
+            made[name] = Stage(
+                self.room,
+                self.weather,
+                bsdfs,
+                tilts,
+                self.groups,
+                self.hours,
+                folder,
+                lambda: self._arrivals,
+                Sampling(view=self.recipe.paths),
+            )
+            given.control.check(made[name], f"{key}.control")
+        return made
 
 
 _THRESHOLDS = (50.0, 100.0, 300.0, 500.0, 750.0)
-_SUNLIT = 1000.0
 _EYES = 16
 """Eyes that are found together."""
 _SEEN = 64.0
@@ -257,15 +343,55 @@ class _Collected:
 
     def __init__(self, study: Study, name: str) -> None:
         steps = len(study.weather)
-        self._name = name
-        self._places = study.places
-        self._thresholds = sorted({study.recipe.threshold_lx, *_THRESHOLDS})
-        self._metrics: dict[str, dict[int, PointYear]] = {key: {} for key in study.places}
+        self._study, self._name = study, name
+        thresholds = sorted({study.recipe.threshold_lx, *_THRESHOLDS})
+        self._counted = _Points(study.places, study.hours.weights(study.weather), thresholds)
+        self._daylight = _Points(study.places, Hours.all_daylight().weights(study.weather), THRESHOLDS)
+        self._working = Hours(*lm83.HOURS, clock=study.hours.clock).weights(study.weather)
+        self._lm83 = _Points(study.places, self._working, [lm83.AUTONOMY])
         self._in_sun = np.zeros(len(study.points))
         self._eyes = {view: {key: np.full(steps, np.nan) for key in EYE} for view in study.views}
 
-    def add(self, block: Block, part: Part, weights: NDArray[np.float64]) -> None:
-        """Some steps, with the hours that each counts for."""
+    def add(self, block: Block, part: Part) -> None:
+        """Some steps of some points or eyes."""
+        for points in (self._counted, self._daylight, self._lm83):
+            points.add(block, part)
+        self._in_sun[block.points] += self._working[part.steps] @ (part.direct > lm83.SUNLIT)
+        for view, values in part.eyes.items():
+            for key, series in values.items():
+                self._eyes[view][key][part.steps] = series
+
+    def outcome(self) -> Outcome:
+        """All of it."""
+        by_lm83 = self._lm83.result()
+        stage = self._study.stages.get(self._name)
+        if stage is not None and by_lm83:
+            law = self._study.recipe.data_sets[self._name].control
+            for key, place in self._study.places.items():
+                points, normals = self._study.points[place], self._study.normals[place]
+                blinds, self._in_sun[place] = stage.lm83_year(points, normals, self._working)
+                if not isinstance(law, Lm83):
+                    by_lm83[key] = blinds
+        return Outcome(
+            self._name,
+            self._counted.result(),
+            self._daylight.result(),
+            by_lm83,
+            self._in_sun,
+            self._eyes,
+            None if stage is None else self._study.operated[self._name],
+        )
+
+
+class _Points:
+    """Metrics of named sensors over some hours."""
+
+    def __init__(self, places: dict[str, slice], weights: NDArray[np.float64], thresholds: Sequence[float]) -> None:
+        self._places, self._weights, self._thresholds = places, weights, thresholds
+        self._metrics: dict[str, dict[int, PointYear]] = {key: {} for key in places}
+
+    def add(self, block: Block, part: Part) -> None:
+        """Some steps of some points."""
         first = block.points.start
         for key, place in self._places.items():
             start, stop = max(place.start, first), min(place.stop, block.points.stop)
@@ -273,16 +399,14 @@ class _Collected:
                 continue
             if start not in self._metrics[key]:
                 self._metrics[key][start] = PointYear(stop - start, thresholds=self._thresholds)
-            self._metrics[key][start].add(part.illuminance[:, start - first : stop - first], weights)
-        self._in_sun[block.points] += weights @ (part.direct > _SUNLIT)
-        for view, values in part.eyes.items():
-            for key, series in values.items():
-                self._eyes[view][key][part.steps] = series
+            values = part.illuminance[:, start - first : stop - first]
+            self._metrics[key][start].add(values, self._weights[part.steps])
 
-    def outcome(self) -> Outcome:
-        """All of it."""
-        metrics = {key: joined([points.result() for points in found.values()]) for key, found in self._metrics.items()}
-        return Outcome(self._name, metrics, self._in_sun, self._eyes)
+    def result(self) -> dict[str, PointMetrics]:
+        """By name; none if no hour counts."""
+        if not self._weights.any():
+            return {}
+        return {key: joined([points.result() for points in found.values()]) for key, found in self._metrics.items()}
 
 
 def load(source: str | os.PathLike[str], *, cache: str | os.PathLike[str] | None = None) -> Study:
