@@ -26,6 +26,8 @@ class Light:
 
     sky: Floats
     """(patches of the sky, steps) radiance without the sun."""
+    sun: Floats
+    """(patches of the sky, steps) the sun's, spread over the patches next to it."""
     diffuse: Floats
     """(groups · patches, steps) radiance that arrives at windows, but for the sun's that has met nothing."""
     directly: Floats
@@ -55,7 +57,7 @@ class Light:
     @property
     def size(self) -> int:
         """In memory [B]."""
-        return sum(a.nbytes for a in (self.sky, self.diffuse, self.directly, self.suns, self.irradiance))
+        return sum(a.nbytes for a in (self.sky, self.sun, self.diffuse, self.directly, self.suns, self.irradiance))
 
 
 class Arrivals:
@@ -116,16 +118,24 @@ class Arrivals:
         self._kept.move_to_end(key)
         return self._kept[key]
 
-    def _found(self, steps: slice) -> Light:
+    @property
+    def matrix(self) -> tuple[Floats, Floats]:
+        """Radiance at groups' patches by the sky's (groups · patches, patches of the sky): all, and the direct."""
         groups = range(len(self.matrices))
-        daylight = [self.matrices.daylight(g, self.sky.patches, samples=self.samples) for g in groups]
+        found = [self.matrices.daylight(g, self.sky.patches, samples=self.samples) for g in groups]
+        every: Floats = np.concatenate([d.all for d in found])
+        return every, np.concatenate([d.direct for d in found])
+
+    def _found(self, steps: slice) -> Light:
+        every, direct = self.matrix
         lit = np.flatnonzero(self.sky.is_lit[steps])
         sky = np.asarray(self.sky.columns(steps, part="sky", value=self.value), dtype=np.float32)[:, lit]
         sun = np.asarray(self.sky.columns(steps, part="sun"), dtype=np.float32)[:, lit]
         return Light(
             sky=sky,
-            diffuse=np.concatenate([d.all @ sky + (d.all - d.direct) @ sun for d in daylight]),
-            directly=np.concatenate([d.direct @ sun for d in daylight]),
+            sun=sun,
+            diffuse=np.asarray(every @ sky + (every - direct) @ sun, dtype=np.float32),
+            directly=direct @ sun,
             suns=self.sky.suns.directions[steps][lit],
             irradiance=self.sky.suns.irradiance[steps][lit],
         )

@@ -62,7 +62,7 @@ class Recipe(Keys):
     """A room recipe, or the name of one that comes with Clerestory."""
     weather: str | None = None
     """A weather file; without one a year is made up for the room's place, and says so."""
-    method: Literal["3-phase", "5-phase"] = "5-phase"
+    method: Literal["2-phase", "3-phase", "5-phase"] = "5-phase"
     """Whether the direct sun has the resolution of the data set."""
     patches: str = "reinhart:4"
     """Of the sky."""
@@ -85,7 +85,7 @@ class Recipe(Keys):
 
     @model_validator(mode="after")
     def _sound(self) -> Recipe:
-        if self.views and self.method == "3-phase":
+        if self.views and self.method != "5-phase":
             raise wrong("views", "glare needs the sun at a data set's resolution (give the method 5-phase)")
         return self
 
@@ -157,7 +157,7 @@ class Study:
         known = self.room.recipe
         self.sensors = recipe.sensors or list(known.sensors)
         """Names of sensors, in the order of the points."""
-        views = [] if recipe.method == "3-phase" else list(known.views)
+        views = [] if recipe.method != "5-phase" else list(known.views)
         self.views = views if recipe.views is None else recipe.views
         """Names of views."""
         for name in self.views:

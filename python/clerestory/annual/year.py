@@ -11,6 +11,7 @@ import numpy as np
 from clerestory._core import ClerestoryError
 from clerestory.annual.cache import digest
 from clerestory.annual.cells import SeenCells, SeenWindows
+from clerestory.annual.coefficients import Coefficients
 from clerestory.annual.glare import rate
 from clerestory.annual.phases import Transfer, leaving
 from clerestory.annual.points import Lit
@@ -26,13 +27,14 @@ if TYPE_CHECKING:
 
     from clerestory.annual.arrivals import Arrivals, Light
     from clerestory.annual.cache import Arrays
+    from clerestory.annual.matrices import Matrix
     from clerestory.bsdf import Bsdf
 
     Doubles = NDArray[np.float64]
     Floats = NDArray[np.float32]
 
-Method = Literal["3-phase", "5-phase"]
-METHODS: tuple[Method, ...] = ("3-phase", "5-phase")
+Method = Literal["2-phase", "3-phase", "5-phase"]
+METHODS: tuple[Method, ...] = ("2-phase", "3-phase", "5-phase")
 INDICES = ("dgp", "dgi", "ugr", "dgps")
 """Indices that are kept of each eye."""
 EYE = ("illuminance", *INDICES)
@@ -87,7 +89,7 @@ class RoomYear:
     eyes
         Point [m] and line of sight by name.
     method
-        `3-phase`, or `5-phase` with the direct sun at the data set's resolution.
+        `2-phase` by daylight coefficients, `3-phase`, or `5-phase` with the direct sun at the data set's resolution.
     sampling
         How finely.
     settings
@@ -112,7 +114,7 @@ class RoomYear:
         self.method = method
         self.sampling = sampling or Sampling()
         self.settings = settings or Settings()
-        if method == "3-phase" and eyes:
+        if method != "5-phase" and eyes:
             raise ClerestoryError("glare needs the sun at a data set's resolution (give the method 5-phase)")
         nowhere = np.zeros((0, 3))
         self._points = nowhere if points is None else np.asarray(points, dtype=np.float64)
@@ -157,7 +159,7 @@ class RoomYear:
                     f"{name}: {len(systems)} systems for {len(self.matrices)} groups of windows (give one each)"
                 )
         marks = {name: [mark(bsdf) for bsdf in systems] for name, systems in data_sets.items()}
-        prepared: dict[str, tuple[Lit | None, _Eyes | None]] = {}
+        prepared: dict[str, tuple[Lit | Coefficients | None, _Eyes | None]] = {}
         is_lit = self.arrivals.sky.is_lit
         chunks = self.chunks if steps is None else steps
         for done, part in enumerate(chunks, start=1):
@@ -178,12 +180,36 @@ class RoomYear:
                         prepared[name] = self._prepared(systems)
                     return self._computed(self.arrivals.at(part), chosen, *prepared[name])
 
-                key = self._key | {"systems": marks[name], "steps": [part.start, part.stop], "asked": digest(asked)}
+                key = self._key_of(marks[name], part, asked)
                 found = self.matrices.cache.get("part", key, compute) if asked.any() else {}
                 made = self._part(part, np.flatnonzero(asked), found)
                 yield name, made if wanted is None else made.of(np.flatnonzero(wanted[part]))
             if progress is not None:
                 progress(done / len(chunks))
+
+    def missing(self, systems: Sequence[Bsdf], when: NDArray[np.bool_] | None = None) -> list[slice]:
+        """Those of `chunks` that the cache does not hold for one choice of systems, and some steps (n)."""
+        marks = [mark(bsdf) for bsdf in systems]
+        is_lit, cache = self.arrivals.sky.is_lit, self.matrices.cache
+        asked = is_lit if when is None else is_lit & when
+        return [
+            part
+            for part in self.chunks
+            if asked[part].any() and not cache.path_of("part", self._key_of(marks, part, asked[part])).is_file()
+        ]
+
+    def prepare(self) -> None:
+        """Find the matrices, which hold for all systems, for the cache."""
+        _ = self.arrivals.matrix, self._returned
+        if len(self._points):
+            _ = self._view
+            if self.method != "3-phase":
+                _ = self._cells
+        if self._lines:
+            _ = self._eye_views, self._eye_cells
+
+    def _key_of(self, marks: list[str], part: slice, asked: NDArray[np.bool_]) -> dict[str, object]:
+        return self._key | {"systems": marks, "steps": [part.start, part.stop], "asked": digest(asked)}
 
     @cached_property
     def _key(self) -> dict[str, object]:
@@ -211,13 +237,26 @@ class RoomYear:
         at, towards = (np.concatenate([getattr(e, key) for e in self._eyes.values()]) for key in ("point", "direction"))
         return SeenCells(self.matrices, at, towards, self.sampling.eye_cells)
 
-    def _prepared(self, systems: Sequence[Bsdf]) -> tuple[Lit | None, _Eyes | None]:
+    @cached_property
+    def _eye_views(self) -> tuple[Matrix, Matrix]:
+        """View matrices of the eyes with what has met nothing as direct, and with one meeting more.
+
+        A beam of the sun is exact together with what it lights.
+        """
+        at, towards = self._eye_cells.points, self._eye_cells.normals
+        samples = self.sampling.view
+        met = self.matrices.view(at, towards, direct_meetings=1, samples=samples)
+        return self.matrices.view(at, towards, samples=samples), met
+
+    def _prepared(self, systems: Sequence[Bsdf]) -> tuple[Lit | Coefficients | None, _Eyes | None]:
         transfers = [Transfer.of(bsdf, self.matrices.basis) for bsdf in systems]
         once, whole = leaving(transfers), leaving(transfers, self._returned)
         points = self._of_points(systems, once, whole) if len(self._points) else None
         return points, _Eyes(self, systems, transfers, once, whole) if self._lines else None
 
-    def _computed(self, light: Light, chosen: NDArray[np.bool_], points: Lit | None, eyes: _Eyes | None) -> Arrays:
+    def _computed(
+        self, light: Light, chosen: NDArray[np.bool_], points: Lit | Coefficients | None, eyes: _Eyes | None
+    ) -> Arrays:
         """What is found at the chosen steps of some light."""
         made: Arrays = {}
         only = light.only(chosen)
@@ -242,11 +281,26 @@ class RoomYear:
                     eyes[name][index][lit] = values
         return Part(part, illuminance, direct, eyes)
 
-    def _of_points(self, systems: Sequence[Bsdf], once: Floats, whole: Floats) -> Lit:
+    def coefficients(self, systems: Sequence[Bsdf]) -> Coefficients:
+        """Daylight coefficients of the points with one choice of systems, one of each group."""
+        transfers = [Transfer.of(bsdf, self.matrices.basis) for bsdf in systems]
+        return self._coefficients(systems, leaving(transfers), leaving(transfers, self._returned))
+
+    def _coefficients(self, systems: Sequence[Bsdf], once: Floats, whole: Floats) -> Coefficients:
+        seen = SeenWindows(self._cells, systems, self.arrivals.sky.patches._core)
+        return Coefficients(self.arrivals, self._view, once, whole, seen)
+
+    @property
+    def _view(self) -> Matrix:
+        return self.matrices.view(self._points, self._normals, samples=self.sampling.view)
+
+    def _of_points(self, systems: Sequence[Bsdf], once: Floats, whole: Floats) -> Lit | Coefficients:
+        if self.method == "2-phase":
+            return self._coefficients(systems, once, whole)
         seen = None
         if self.method == "5-phase":
             seen = SeenWindows(self._cells, systems, self.arrivals.sky.patches._core)
-        return Lit(self.matrices.view(self._points, self._normals, samples=self.sampling.view), once, whole, seen)
+        return Lit(self._view, once, whole, seen)
 
 
 class _Eyes:
@@ -255,16 +309,12 @@ class _Eyes:
     def __init__(
         self, year: RoomYear, systems: Sequence[Bsdf], transfers: Sequence[Transfer], once: Floats, whole: Floats
     ) -> None:
-        matrices, sampling = year.matrices, year.sampling
         self._eyes = year._eyes
         self._settings = year.settings
         cells = year._eye_cells
-        at, towards = cells.points, cells.normals
         self._seen = SeenWindows(cells, systems, year.arrivals.sky.patches._core)
-        view = matrices.view(at, towards, samples=sampling.view)
+        view, met = year._eye_views
         self._lit = Lit(view, once, whole, self._seen)
-        # A beam of the sun is exact together with what it lights, which is one meeting more.
-        met = matrices.view(at, towards, direct_meetings=1, samples=sampling.view)
         self._by_beams = (met.direct - view.direct) * np.concatenate([transfer.beam for transfer in transfers])
         self._returns = (whole - once)[self._seen.sky.patch]
 
