@@ -1,5 +1,7 @@
 """A year with windows that change is, step by step, the year of what stood in them."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -8,12 +10,13 @@ from clerestory.annual.arrivals import Arrivals
 from clerestory.annual.cache import Cache
 from clerestory.annual.control.outdoors import outdoors
 from clerestory.annual.control.preview import Preview
+from clerestory.annual.control.stage import Stage
 from clerestory.annual.control.states import Operated
 from clerestory.annual.matrices import RoomMatrices
 from clerestory.annual.year import EYE, RoomYear, Sampling
 from clerestory.sky import Place
 from clerestory.system import pane_from_normal
-from clerestory.weather import SkyYear, synthetic_year
+from clerestory.weather import Hours, SkyYear, synthetic_year
 
 ROOM = {
     "room": {
@@ -112,3 +115,41 @@ def test_the_light_on_facades(arrivals):
     for group, azimuth in enumerate((180.0, 90.0)):
         for part, found in (("sun", seen.direct), ("sky", seen.diffuse)):
             assert found[group, step] == pytest.approx(sky.irradiance(90.0, azimuth, part)[1], rel=0.01, abs=0.5)
+
+
+def test_glare_is_judged_by_what_the_eye_gets(arrivals, states):
+    """The cheap light at an eye is near that of the full method; the sun's disc is seen in the steps that have it."""
+    made = arrivals.matrices.room
+    names = dict(zip(("open", "dim", "film"), states, strict=True))
+    stage = Stage(
+        made,
+        arrivals.sky.weather,
+        names,
+        [None] * 3,
+        RoomMatrices.names_of(made),
+        Hours(),
+        Path(),
+        lambda: arrivals,
+        COARSE,
+    )
+    assert stage.groups == ["window south", "window east"]
+    at_eye, disc = stage.at_eyes(["desk"])
+    view = made.view("desk")
+    year = RoomYear(arrivals, eyes={"desk": (view.point_m, view.direction)}, sampling=COARSE)
+    full = {name: np.zeros(len(arrivals)) for name in names}
+    for name, part in year.of({name: [bsdf] * 2 for name, bsdf in names.items()}):
+        full[name][part.steps] = part.eyes["desk"]["illuminance"]
+    lit = arrivals.sky.is_lit
+    for k, name in enumerate(names):
+        cheap = at_eye[0, :, k].sum(axis=0)
+        # The sun that three phases spread over patches is at the wrong place for an eye in a beam.
+        assert np.median(np.abs(cheap[lit] / full[name][lit] - 1.0)) < 0.1
+        assert np.average(cheap) == pytest.approx(np.average(full[name]), rel=0.15)
+    suns = arrivals.sky.suns
+    seen = arrivals.matrices.outlooks(np.array([view.point_m], dtype=float), suns.directions[lit])[0]
+    before = suns.directions[lit] @ np.asarray(view.direction) > 0.0
+    shines = suns.irradiance[lit] > 0.0
+    for group in (0, 1):
+        assert np.array_equal(disc[0, group, 0, lit] > 0.0, (seen == group) & before & shines)
+    assert (disc[0, :, 0] > 0.0).any()
+    assert not disc[0, :, 2].any()

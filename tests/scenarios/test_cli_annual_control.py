@@ -195,7 +195,7 @@ def test_a_blind_by_cut_off(folder, capsys):
     assert [row["pane south"] for row in states_of(out / "states-blind.csv")[9:15]] == ["0"] * 6
 
 
-def test_a_year_with_states_in_words(folder, capsys):
+def test_a_year_with_states_in_words(folder, cache, capsys):
     rules = """kind = "expression"
 rules = [{state = "closed", when = 'highest("plane") > 2000 and facade_irradiance > 100'}, {state = "open"}]
 """
@@ -207,6 +207,14 @@ rules = [{state = "closed", when = 'highest("plane") > 2000 and facade_irradianc
     told = capsys.readouterr().out
     for words in ("EN 17037 provision", "LM-83's, open to closed, by three phases", "open ", "closed "):
         assert words in told
+    # States are kept as matrices are; another law is another choice.
+    kept = {path.name for path in cache.glob("states-*")}
+    assert kept
+    assert run(folder, STUDY + rules) == 0
+    assert capsys.readouterr().out == told
+    assert {path.name for path in cache.glob("states-*")} == kept
+    assert run(folder, STUDY + rules.replace("2000", "3000")) == 0
+    assert len(list(cache.glob("states-*"))) == len(kept) + 1
 
 
 def test_sensors_in_the_wrong_place_are_numbered(folder, capsys):
