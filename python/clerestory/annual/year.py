@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from clerestory._core import ClerestoryError
 from clerestory.annual.cache import digest
@@ -176,9 +177,11 @@ class RoomYear:
                     systems: Sequence[Bsdf] = systems,
                     chosen: NDArray[np.bool_] = asked[lit],
                 ) -> Arrays:
-                    if name not in prepared:
-                        prepared[name] = self._prepared(systems)
-                    return self._computed(self.arrivals.at(part), chosen, *prepared[name])
+                    # Products of matrices have other last digits with another number of threads.
+                    with threadpool_limits(1, user_api="blas"):
+                        if name not in prepared:
+                            prepared[name] = self._prepared(systems)
+                        return self._computed(self.arrivals.at(part), chosen, *prepared[name])
 
                 key = self._key_of(marks[name], part, asked)
                 found = self.matrices.cache.get("part", key, compute) if asked.any() else {}

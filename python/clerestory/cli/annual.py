@@ -25,6 +25,14 @@ def annual(
         Path | None,
         typer.Option("--cache", metavar="FOLDER", help="Of matrices that are kept; $CLERESTORY_CACHE by default."),
     ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option("--workers", metavar="N", min=1, help="Run with so many Dask workers on this machine."),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option("--scheduler", metavar="ADDRESS", help="Run on a Dask cluster that sees the same folders."),
+    ] = None,
     critical: Annotated[
         bool,
         typer.Option("--critical", help="Only find the critical moments: hours in which glare can occur, quickly."),
@@ -43,6 +51,8 @@ def annual(
 
     if output is not None and output.exists() and not output.is_dir():
         raise UsageError(f"{output}: is a file (give a folder)")
+    if workers is not None and scheduler is not None:
+        raise UsageError("--workers and --scheduler are two ways (give one)")
     made = load(study, cache=cache)
     for text in made.warnings:
         note(f"warning: {text}")
@@ -53,6 +63,11 @@ def annual(
         with about(study):
             _tell_moments(made, output, as_json=as_json)
         return
+    if workers is not None or scheduler is not None:
+        from clerestory.annual.cluster import cluster, spread
+
+        with cluster(scheduler=scheduler, workers=workers) as client, about(study), progress("workers") as tell:
+            spread(made, study, client, tell)
     with about(study), progress("year") as tell:
         outcomes = made.run(tell)
     for text in made.cache.warnings:
