@@ -255,6 +255,7 @@ CUT_OFF = 'kind = "cut-off"\nwidth_mm = 80\npitch_mm = 72\n'
         (BY_CLOCK.replace("pane east", "north"), None, "times[1].groups: there is no group of windows 'north'"),
         (BY_CLOCK.replace(', {state = "open"}', ""), None, "without a state, the first at 03-20 00:30"),
         (BY_CLOCK.replace("start = 10", "start = 25"), None, "control.times[1].start"),
+        (BY_CLOCK.replace("end = 12", "end = 10"), None, "times[1].end: the hours end at 10, where they start"),
         ('kind = "schedule"\n', None, "either a file or times are asked for"),
         (CUT_OFF, None, "states.closed.tilt_deg: is missing"),
         (CUT_OFF.replace("72", "0"), None, "control.pitch_mm"),

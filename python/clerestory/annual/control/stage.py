@@ -160,7 +160,8 @@ class Stage:
         """
         preview = self._preview(points, normals)
         metrics, in_sun = PointYear(len(points), thresholds=[lm83.AUTONOMY]), lm83.SunYear(len(points))
-        metrics.add(np.zeros((len(hours), len(points))), np.where(self._arrivals().sky.is_lit, 0.0, hours))
+        dark = np.where(self._arrivals().sky.is_lit, 0.0, hours).sum()
+        metrics.add(np.zeros((1, len(points))), [dark])
         for steps, light in self._light():
             every, direct = preview.illuminance(light), preview.direct(light)
             chosen = _lm83_states(direct)[:, None, None, :]
