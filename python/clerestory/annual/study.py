@@ -10,15 +10,14 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from clerestory.annual import lm83
 from clerestory.annual.arrivals import Arrivals
 from clerestory.annual.cache import Cache
 from clerestory.annual.control.stage import Stage
 from clerestory.annual.control.states import DataSet, Operated
-from clerestory.annual.control.tables import Lm83, Schedule
+from clerestory.annual.control.tables import Schedule
 from clerestory.annual.matrices import RoomMatrices
-from clerestory.annual.metrics import THRESHOLDS, PointYear, joined
-from clerestory.annual.year import EYE, RoomYear, Sampling
+from clerestory.annual.outcome import Collected
+from clerestory.annual.year import RoomYear, Sampling
 from clerestory.room.world import load as load_room
 from clerestory.room.world import system_of
 from clerestory.trace.keys import Keys, Positive, RecipeError, wrong
@@ -27,11 +26,11 @@ from clerestory.weather import Hours, SkyYear, read_weather, synthetic_year
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
 
-    from clerestory.annual.metrics import PointMetrics
+    from clerestory.annual.outcome import Outcome
     from clerestory.annual.year import Part
     from clerestory.bsdf import Bsdf
     from clerestory.room import Room
@@ -112,26 +111,6 @@ class Choice:
     """The steps (n); None for all."""
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """The year of one data set."""
-
-    name: str
-    """Of the data set."""
-    metrics: dict[str, PointMetrics]
-    """Of each name of sensors, over the hours that count."""
-    daylight: dict[str, PointMetrics]
-    """The same over the hours with the sun above the horizon, for EN 17037; none if the weather has none."""
-    lm83: dict[str, PointMetrics]
-    """The same over LM-83's hours, with its blinds if there are states; none if the weather has no such hours."""
-    direct_hours: NDArray[np.float64]
-    """(points) of LM-83's hours those with more than 1000 lx of direct sun, in the most open state [h]."""
-    eyes: dict[str, dict[str, NDArray[np.float64]]]
-    """Of each view: illuminance [lx] and indices (steps)."""
-    operated: Operated | None = None
-    """How the windows stood, if they have states."""
-
-
 class Study:
     """A study, read and checked: made by `load`."""
 
@@ -181,7 +160,7 @@ class Study:
         progress
             Called with the share of the year that is done.
         """
-        collected = {name: _Collected(self, name) for name in self.names}
+        collected = {name: Collected(self, name) for name in self.names}
         for block, name, part in self.parts(progress):
             collected[name].add(block, part)
         return [each.outcome() for each in collected.values()]
@@ -343,7 +322,6 @@ class Study:
         return made
 
 
-_THRESHOLDS = (50.0, 100.0, 300.0, 500.0, 750.0)
 _TYPICAL = 2001
 """Year whose clock counts where the weather is made up."""
 _EYES = 16
@@ -354,77 +332,6 @@ _RECEIVED = 64.0
 """Memory of a patch in the view matrix of a point, while it is found [B]."""
 _PREPARED = 1.6e7
 """Memory of a data set that is prepared for eyes, by the square of the number of groups [B]."""
-
-
-class _Collected:
-    """The year of a data set, as far as it is known."""
-
-    def __init__(self, study: Study, name: str) -> None:
-        steps = len(study.weather)
-        self._study, self._name = study, name
-        thresholds = sorted({study.recipe.threshold_lx, *_THRESHOLDS})
-        self._counted = _Points(study.places, study.hours.weights(study.weather), thresholds)
-        self._daylight = _Points(study.places, Hours.all_daylight().weights(study.weather), THRESHOLDS)
-        self._working = Hours(*lm83.HOURS, clock=study.hours.clock).weights(study.weather)
-        self._lm83 = _Points(study.places, self._working, [lm83.AUTONOMY])
-        self._in_sun = np.zeros(len(study.points))
-        self._eyes = {view: {key: np.full(steps, np.nan) for key in EYE} for view in study.views}
-
-    def add(self, block: Block, part: Part) -> None:
-        """Some steps of some points or eyes."""
-        for points in (self._counted, self._daylight, self._lm83):
-            points.add(block, part)
-        self._in_sun[block.points] += self._working[part.steps] @ (part.direct > lm83.SUNLIT)
-        for view, values in part.eyes.items():
-            for key, series in values.items():
-                self._eyes[view][key][part.steps] = series
-
-    def outcome(self) -> Outcome:
-        """All of it."""
-        by_lm83 = self._lm83.result()
-        stage = self._study.stages.get(self._name)
-        if stage is not None and by_lm83:
-            law = self._study.recipe.data_sets[self._name].control
-            for key, place in self._study.places.items():
-                points, normals = self._study.points[place], self._study.normals[place]
-                blinds, self._in_sun[place] = stage.lm83_year(points, normals, self._working)
-                if not isinstance(law, Lm83):
-                    by_lm83[key] = blinds
-        return Outcome(
-            self._name,
-            self._counted.result(),
-            self._daylight.result(),
-            by_lm83,
-            self._in_sun,
-            self._eyes,
-            None if stage is None else self._study.operated[self._name],
-        )
-
-
-class _Points:
-    """Metrics of named sensors over some hours."""
-
-    def __init__(self, places: dict[str, slice], weights: NDArray[np.float64], thresholds: Sequence[float]) -> None:
-        self._places, self._weights, self._thresholds = places, weights, thresholds
-        self._metrics: dict[str, dict[int, PointYear]] = {key: {} for key in places}
-
-    def add(self, block: Block, part: Part) -> None:
-        """Some steps of some points."""
-        first = block.points.start
-        for key, place in self._places.items():
-            start, stop = max(place.start, first), min(place.stop, block.points.stop)
-            if start >= stop:
-                continue
-            if start not in self._metrics[key]:
-                self._metrics[key][start] = PointYear(stop - start, thresholds=self._thresholds)
-            values = part.illuminance[:, start - first : stop - first]
-            self._metrics[key][start].add(values, self._weights[part.steps])
-
-    def result(self) -> dict[str, PointMetrics]:
-        """By name; none if no hour counts."""
-        if not self._weights.any():
-            return {}
-        return {key: joined([points.result() for points in found.values()]) for key, found in self._metrics.items()}
 
 
 def load(source: str | os.PathLike[str], *, cache: str | os.PathLike[str] | None = None) -> Study:
