@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -15,7 +15,7 @@ from clerestory.annual.arrivals import Arrivals
 from clerestory.annual.cache import Cache
 from clerestory.annual.control.stage import Stage
 from clerestory.annual.control.states import DataSet, Operated
-from clerestory.annual.control.tables import Lm83
+from clerestory.annual.control.tables import Lm83, Schedule
 from clerestory.annual.facade import Facade
 from clerestory.annual.matrices import RoomMatrices
 from clerestory.annual.metrics import THRESHOLDS, PointYear, joined
@@ -187,6 +187,15 @@ class Study:
             collected[name].add(block, part)
         return [each.outcome() for each in collected.values()]
 
+    @cached_property
+    def warnings(self) -> list[str]:
+        """What is doubtful about the room, and about the places of sensors and eyes."""
+        return [
+            *self.room.warnings,
+            *(text for name in self.sensors for text in self.room.doubts(sensors=name)),
+            *(text for name in self.views for text in self.room.doubts(view=name)),
+        ]
+
     @property
     def names(self) -> list[str]:
         """Names of the data sets, in the order of the recipe."""
@@ -201,13 +210,19 @@ class Study:
         RecipeError
             A law does not say a state at every step.
         """
-        made = {}
-        for name, stage in self.stages.items():
-            law = self.recipe.data_sets[name].control
-            assert law is not None
-            states = law.chosen(stage, f"data_sets.{name}.control")
-            made[name] = Operated(tuple(stage.states), tuple(stage.groups), states)
-        return made
+        return {name: self._operated(name) for name in self.stages}
+
+    def _operated(self, name: str) -> Operated:
+        law, stage = self.recipe.data_sets[name].control, self.stages[name]
+        assert law is not None
+        place = f"data_sets.{name}.control"
+        if isinstance(law, Schedule):
+            states = law.chosen(stage, place)
+        else:
+            # All who work on a study find the same: the last digits of light can depend on the machine.
+            key = {**stage.key, "law": law.model_dump()}
+            states = self.cache.get("states", key, lambda: {"states": law.chosen(stage, place)})["states"]
+        return Operated(tuple(stage.states), tuple(stage.groups), states)
 
     @cached_property
     def choices(self) -> dict[str, Choice]:
@@ -302,7 +317,8 @@ class Study:
             raise RecipeError("weather: there is no file, and the room has no place to make one up for (give a file)")
         from clerestory.sky import Place
 
-        return synthetic_year(Place(place.latitude, place.longitude, place.timezone))
+        there = Place(place.latitude, place.longitude, place.timezone)
+        return synthetic_year(replace(there, timezone=there.standard_hours(_TYPICAL)))
 
     def _data_sets(self, folder: Path) -> dict[str, list[Bsdf]]:
         groups = RoomMatrices.systems_of(self.room)
@@ -336,6 +352,8 @@ class Study:
 
 
 _THRESHOLDS = (50.0, 100.0, 300.0, 500.0, 750.0)
+_TYPICAL = 2001
+"""Year whose clock counts where the weather is made up."""
 _EYES = 16
 """Eyes that are found together."""
 _SEEN = 64.0

@@ -54,7 +54,7 @@ def annual(
     if workers is not None and scheduler is not None:
         raise UsageError("--workers and --scheduler are two ways (give one)")
     made = load(study, cache=cache)
-    for text in made.room.warnings:
+    for text in made.warnings:
         note(f"warning: {text}")
     if dry_run:
         _tell_plan(made, as_json=as_json)
@@ -80,6 +80,7 @@ def annual(
                 "weather": made.weather.source,
                 "hours": made.hours.words,
                 "method": made.recipe.method,
+                "warnings": [*made.warnings, *made.cache.warnings],
                 "data_sets": found,
                 "written": [str(path) for path in written],
             }
@@ -175,13 +176,16 @@ def _tell_moments(study: Study, output: Path | None, *, as_json: bool) -> None:
 
 def _tell_plan(study: Study, *, as_json: bool) -> None:
     steps, points = len(study.weather), len(study.points)
-    plan = {
+    control = {name: law.control.kind for name, law in study.recipe.data_sets.items() if law.control is not None}
+    plan: dict[str, Any] = {
         "room": study.room.name,
         "weather": study.weather.source,
         "steps": steps,
         "points": points,
         "views": study.views,
+        "windows": study.groups,
         "data_sets": study.names,
+        "control": control,
         "method": study.recipe.method,
         "cache": str(study.cache.folder),
         "memory_of_results_mb": round(4e-6 * steps * points * len(study.names), 1),
@@ -190,4 +194,6 @@ def _tell_plan(study: Study, *, as_json: bool) -> None:
         print_json(plan)
         return
     for key, value in plan.items():
+        if isinstance(value, dict):
+            value = [f"{name} by {law}" for name, law in value.items()] or ["none"]
         say(f"{key.replace('_', ' ')}: {'; '.join(value) if isinstance(value, list) else value}")
