@@ -15,6 +15,7 @@ from clerestory.annual.cache import Cache
 from clerestory.annual.control.stage import Stage
 from clerestory.annual.control.states import DataSet, Operated
 from clerestory.annual.control.tables import Schedule
+from clerestory.annual.facade import Facade
 from clerestory.annual.matrices import RoomMatrices
 from clerestory.annual.outcome import Collected
 from clerestory.annual.year import RoomYear, Sampling
@@ -61,7 +62,7 @@ class Recipe(Keys):
     """A room recipe, or the name of one that comes with Clerestory."""
     weather: str | None = None
     """A weather file; without one a year is made up for the room's place, and says so."""
-    method: Literal["2-phase", "3-phase", "5-phase"] = "5-phase"
+    method: Literal["2-phase", "3-phase", "5-phase", "6-phase"] = "5-phase"
     """Whether the direct sun has the resolution of the data set."""
     patches: str = "reinhart:4"
     """Of the sky."""
@@ -84,7 +85,7 @@ class Recipe(Keys):
 
     @model_validator(mode="after")
     def _sound(self) -> Recipe:
-        if self.views and self.method != "5-phase":
+        if self.views and self.method in ("2-phase", "3-phase"):
             raise wrong("views", "glare needs the sun at a data set's resolution (give the method 5-phase)")
         return self
 
@@ -136,7 +137,7 @@ class Study:
         known = self.room.recipe
         self.sensors = recipe.sensors or list(known.sensors)
         """Names of sensors, in the order of the points."""
-        views = [] if recipe.method != "5-phase" else list(known.views)
+        views = [] if recipe.method in ("2-phase", "3-phase") else list(known.views)
         self.views = views if recipe.views is None else recipe.views
         """Names of views."""
         for name in self.views:
@@ -256,7 +257,8 @@ class Study:
             self.points[block.points],
             self.normals[block.points],
             {name: (self.room.view(name).point_m, self.room.view(name).direction) for name in block.views},
-            method=self.recipe.method,
+            # The sixth phase is in what arrives.
+            method="5-phase" if self.recipe.method == "6-phase" else self.recipe.method,
             sampling=Sampling(view=self.recipe.paths),
         )
 
@@ -264,6 +266,11 @@ class Study:
     def matrices(self) -> RoomMatrices:
         """Of its room."""
         return RoomMatrices(self.room, cache=self.cache, seed=self.recipe.seed)
+
+    @cached_property
+    def facade(self) -> Facade | None:
+        """What stands before its windows, for the six-phase method."""
+        return Facade(self.matrices) if self.recipe.method == "6-phase" else None
 
     def sky(self, patches: str) -> SkyYear:
         """The skies of its weather in patches."""
@@ -273,7 +280,8 @@ class Study:
 
     @cached_property
     def _arrivals(self) -> Arrivals:
-        return Arrivals(self.matrices, self.sky(self.recipe.patches), keep=int(self._memory / 8.0))
+        sky, keep = self.sky(self.recipe.patches), int(self._memory / 8.0)
+        return Arrivals(self.matrices, sky, facade=self.facade, keep=keep)
 
     @property
     def _memory(self) -> float:
