@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -124,7 +125,7 @@ class Arrivals:
         self._kept.move_to_end(key)
         return self._kept[key]
 
-    @property
+    @cached_property
     def matrix(self) -> tuple[Floats, Floats]:
         """Radiance at groups' patches by the sky's (groups · patches, patches of the sky): all, and the direct."""
         groups = range(len(self.matrices))

@@ -175,25 +175,26 @@ def _tell_moments(study: Study, output: Path | None, *, as_json: bool) -> None:
 
 
 def _tell_plan(study: Study, *, as_json: bool) -> None:
-    steps, points = len(study.weather), len(study.points)
-    control = {name: law.control.kind for name, law in study.recipe.data_sets.items() if law.control is not None}
-    plan: dict[str, Any] = {
+    from clerestory.annual.plan import plan
+
+    made = plan(study)
+    told = {
         "room": study.room.name,
         "weather": study.weather.source,
-        "steps": steps,
-        "points": points,
+        "steps": len(study.weather),
+        "points": len(study.points),
         "views": study.views,
-        "windows": study.groups,
         "data_sets": study.names,
-        "control": control,
         "method": study.recipe.method,
+        "memory_gb": study.recipe.memory_gb,
         "cache": str(study.cache.folder),
-        "memory_of_results_mb": round(4e-6 * steps * points * len(study.names), 1),
+        "parts": made.parts,
+        "parts_missing": made.missing,
+        "seconds_about": round(made.seconds, 1),
+        "disk_mb_about": round(made.disk_mb, 1),
     }
     if as_json:
-        print_json(plan)
+        print_json(told)
         return
-    for key, value in plan.items():
-        if isinstance(value, dict):
-            value = [f"{name} by {law}" for name, law in value.items()] or ["none"]
+    for key, value in told.items():
         say(f"{key.replace('_', ' ')}: {'; '.join(value) if isinstance(value, list) else value}")
