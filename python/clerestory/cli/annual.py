@@ -178,13 +178,16 @@ def _tell_plan(study: Study, *, as_json: bool) -> None:
     from clerestory.annual.plan import plan
 
     made = plan(study)
-    told = {
+    control = {name: law.control.kind for name, law in study.recipe.data_sets.items() if law.control is not None}
+    told: dict[str, Any] = {
         "room": study.room.name,
         "weather": study.weather.source,
         "steps": len(study.weather),
         "points": len(study.points),
         "views": study.views,
+        "windows": study.groups,
         "data_sets": study.names,
+        "control": control,
         "method": study.recipe.method,
         "memory_gb": study.recipe.memory_gb,
         "cache": str(study.cache.folder),
@@ -197,4 +200,6 @@ def _tell_plan(study: Study, *, as_json: bool) -> None:
         print_json(told)
         return
     for key, value in told.items():
+        if isinstance(value, dict):
+            value = [f"{name} by {law}" for name, law in value.items()] or ["none"]
         say(f"{key.replace('_', ' ')}: {'; '.join(value) if isinstance(value, list) else value}")
