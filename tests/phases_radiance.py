@@ -56,9 +56,12 @@ def view(
     return found.reshape(runs, len(points), -1)
 
 
-def daylight(folder: Path, *, samples: int) -> np.ndarray:
-    """Radiance of a window's patches by that of the ground and the sky's (patches, sky), in `daylight.mtx`, too."""
-    options = f"-ff -c {samples} -ab 1 -lw 1e-6 -u+"
+def daylight(folder: Path, *, samples: int, bounces: int = 1, divisions: int = 64) -> np.ndarray:
+    """Radiance of a window's patches by that of the ground and the sky's (patches, sky), in `daylight.mtx`, too.
+
+    `bounces` and `divisions` are of what stands outside.
+    """
+    options = f"-ff -c {samples} -ab {bounces} -ad {divisions} -lw {0.2 / divisions / samples:.3g} -u+"
     command = ["rfluxmtx", *THREADS, *options.split(), "window.rad", "sky.rad", "-i", "empty.oct"]
     (folder / "daylight.mtx").write_bytes(run(*command, folder=folder))
     return read(folder / "daylight.mtx") @ WEIGHTS

@@ -315,13 +315,14 @@ class Room:
         return self._shapes.described(), [self._surfaces, materials, self._media, windows]
 
     def bare(self) -> _core.Room:
-        """The same room, without lights, with windows that send evenly: for what does not depend on systems and sky."""
+        """The same room, without lights, with dark windows: for what does not depend on systems and sky."""
         from clerestory.bsdf import Bsdf
         from clerestory.model import Model
         from clerestory.sky import Sky
 
-        even = Bsdf.from_models({"visible": {("exterior", "transmission"): Model.lambertian(1.0)}})
-        windows = [(w.name, w.corners.tolist(), even._core, _GREY, list(w.up)) for w in self.windows]
+        # A matrix is read off where another model would be sampled.
+        dark = Bsdf.from_models({("exterior", "transmission"): Model.lambertian(0.0)}).to_matrix("klems-quarter")
+        windows = [(w.name, w.corners.tolist(), dark._core, _GREY, list(w.up)) for w in self.windows]
         return self._room(windows, [], Sky.uniform())
 
     def _grid(self, sensors: keys.Sensors, key: str) -> NDArray[np.float64]:
