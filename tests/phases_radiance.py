@@ -82,3 +82,34 @@ def product(folder: Path, *factors: str) -> np.ndarray:
     """The product of matrix files (rows, steps), of which the second may be a data set's."""
     (folder / "product.mtx").write_bytes(run("dctimestep", "-of", *factors, folder=folder))
     return read(folder / "product.mtx") @ WEIGHTS
+
+
+def direct(
+    folder: Path,
+    room: Room,
+    points: np.ndarray,
+    normals: np.ndarray,
+    *,
+    system: str,
+    suns: str,
+    divisions: int,
+) -> np.ndarray:
+    """Illuminance by the suns of a file through a data set, where nothing else is lit (points, suns) [lx].
+
+    The suns are gendaymtx's, in the folder as the data set's file is.
+    """
+    text = (folder / suns).read_text().split("\n\n")
+    lights = ["\n".join(text[k : k + 2]) for k in range(0, len(text) - 1, 2)]
+    blacks = [line for line in room_radiance.surfaces(room) if " polygon " in line]
+    names = {line.split()[0] for line in blacks}
+    black = [f"void plastic {name} 0 0 5 0 0 0 0 0" for name in sorted(names)]
+    window = [f"void BSDF window 6 0 {system} 0 0 1 . 0 0", *room_radiance.panes(room)]
+    (folder / "black.rad").write_text("\n".join([*black, *blacks, *window]) + "\n")
+    found = []
+    for light in lights:
+        (folder / "sun.rad").write_text(light + "\n")
+        (folder / "scene.oct").write_bytes(run("oconv", "sun.rad", "black.rad", folder=folder))
+        # Directions as they are, without the jitter by which tables are smoothed.
+        more = ("-ss", "0", "-dj", "0")
+        found.append(room_radiance.illuminance(folder, points, normals, *more, divisions=divisions, bounces=1))
+    return np.stack(found, axis=-1)

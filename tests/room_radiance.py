@@ -120,9 +120,11 @@ def _sun_alone() -> str:
     return f"void light solar 0 0 3 {radiance} {radiance} {radiance}\nsolar source sun 0 0 4 {x} {y} {z} 0.533\n"
 
 
-def illuminance(folder: Path, points: np.ndarray, normals: np.ndarray, *, divisions: int, bounces: int) -> np.ndarray:
-    """Illuminance (n,) [lx] by rtrace without its ambient cache."""
-    return _traced(folder, points, normals, "-I", divisions=divisions, bounces=bounces)
+def illuminance(
+    folder: Path, points: np.ndarray, normals: np.ndarray, *more: str, divisions: int, bounces: int
+) -> np.ndarray:
+    """Illuminance (n,) [lx] by rtrace without its ambient cache; `more` are options of its own."""
+    return _traced(folder, points, normals, "-I", *more, divisions=divisions, bounces=bounces)
 
 
 def luminance(folder: Path, eye: np.ndarray, directions: np.ndarray, *, divisions: int, bounces: int) -> np.ndarray:
@@ -137,6 +139,6 @@ def _traced(
     rows = "\n".join(" ".join(f"{v:.9g}" for v in (*p, *d)) for p, d in zip(origins, directions, strict=True))
     options = f"-h -n 2 -ab {bounces} -ad {divisions} -as 0 -aa 0 -lw {0.1 / divisions:.3g} -lr -{bounces + 4}"
     quality = "-ds .05 -dj .8 -dt 0 -dc 1 -st 0 -ss 4 -u+"
-    found = run("rtrace", *more, *options.split(), *quality.split(), "scene.oct", folder=folder, data=rows)
+    found = run("rtrace", *options.split(), *quality.split(), *more, "scene.oct", folder=folder, data=rows)
     values = np.array([[float(v) for v in line.split()] for line in found.decode().splitlines() if line.strip()])
     return np.asarray(EFFICACY * values @ WEIGHTS)
