@@ -22,6 +22,10 @@ import rooms  # noqa: E402
 import round_robin  # noqa: E402
 import shading  # noqa: E402
 import treatments  # noqa: E402
+import year_chain  # noqa: E402
+import year_growth  # noqa: E402
+import year_matrices  # noqa: E402
+import years  # noqa: E402
 from samples import sample_root  # noqa: E402
 from timing import machine  # noqa: E402
 
@@ -44,6 +48,13 @@ CHAPTERS = {
     },
     "Glare": {
         "glare": glare.report,
+    },
+    "Years": {
+        "years": years.report,
+        "years-matrix": year_matrices.view,
+        "years-product": year_matrices.product,
+        "years-chain": year_chain.report,
+        "years-growth": year_growth.report,
     },
 }
 JOBS = {name: job for jobs in CHAPTERS.values() for name, job in jobs.items()}

@@ -44,16 +44,20 @@ def environment() -> dict[str, str]:
 
 
 def run(*command: str, folder: Path, data: str | bytes = b"") -> bytes:
-    """Standard output of a program."""
-    return subprocess.run(
+    """Standard output of a program, which has a group of its own: rcontrib that fails kills the one that it is in."""
+    done = subprocess.run(
         command,
         cwd=folder,
         env=environment(),
         input=data.encode() if isinstance(data, str) else data,
         capture_output=True,
-        check=True,
+        check=False,
         timeout=600,
-    ).stdout
+        start_new_session=True,
+    )
+    if done.returncode:
+        raise RuntimeError(f"{command[0]}: status {done.returncode}: {done.stderr.decode()[-500:]}")
+    return done.stdout
 
 
 def tables(system: dict[str, Any], *, sun: bool, sky: bool) -> dict[str, Any]:
@@ -83,22 +87,30 @@ def octree(room: Room, material: str, folder: Path, *, sun: bool, sky: bool) -> 
     altitude, azimuth = SUN
     found = run("gensky", "-ang", str(altitude), str(azimuth - 180.0), "+s" if sun else "-c", folder=folder).decode()
     (folder / "sky.rad").write_text(found + GLOWS if sky else _sun_alone())
-    text = [material]
-    for name, value in REFLECTANCES.items():
-        text.append(f"void plastic {name} 0 0 5 {value} {value} {value} 0 0")
-    box = room.recipe.room
-    assert isinstance(box, Box)
-    quads, windows = build(box)
-    for quad in quads:
-        name = quad.name if quad.name in REFLECTANCES else "walls"
-        for k, corners in enumerate(quad.corners):
-            numbers = " ".join(f"{v:.9g}" for v in corners.ravel())
-            text.append(f"{name} polygon {quad.name.replace(' ', '_')}.{k} 0 0 12 {numbers}")
-    for name, outline, _ in windows:
-        numbers = " ".join(f"{v:.9g}" for corner in outline for v in corner)
-        text.append(f"window polygon {name} 0 0 {3 * len(outline)} {numbers}")
+    text = [material, *surfaces(room), *panes(room)]
     (folder / "room.rad").write_text("\n".join(text) + "\n")
     (folder / "scene.oct").write_bytes(run("oconv", "sky.rad", "room.rad", folder=folder))
+
+
+def surfaces(room: Room) -> list[str]:
+    """Lines of a scene: a room's surfaces with their materials."""
+    text = [f"void plastic {name} 0 0 5 {v} {v} {v} 0 0" for name, v in REFLECTANCES.items()]
+    box = room.recipe.room
+    assert isinstance(box, Box)
+    for quad in build(box)[0]:
+        name = quad.name if quad.name in REFLECTANCES else "walls"
+        text += [_polygon(name, f"{quad.name.replace(' ', '_')}.{k}", c) for k, c in enumerate(quad.corners)]
+    return text
+
+
+def panes(room: Room) -> list[str]:
+    """Lines of a scene: a room's windows, of a material that is called `window`."""
+    return [_polygon("window", window.name, window.corners) for window in room.windows]
+
+
+def _polygon(material: str, name: str, corners: np.ndarray) -> str:
+    numbers = " ".join(f"{v:.9g}" for v in np.ravel(corners))
+    return f"{material} polygon {name} 0 0 {np.size(corners)} {numbers}"
 
 
 def _sun_alone() -> str:
@@ -108,9 +120,11 @@ def _sun_alone() -> str:
     return f"void light solar 0 0 3 {radiance} {radiance} {radiance}\nsolar source sun 0 0 4 {x} {y} {z} 0.533\n"
 
 
-def illuminance(folder: Path, points: np.ndarray, normals: np.ndarray, *, divisions: int, bounces: int) -> np.ndarray:
-    """Illuminance (n,) [lx] by rtrace without its ambient cache."""
-    return _traced(folder, points, normals, "-I", divisions=divisions, bounces=bounces)
+def illuminance(
+    folder: Path, points: np.ndarray, normals: np.ndarray, *more: str, divisions: int, bounces: int
+) -> np.ndarray:
+    """Illuminance (n,) [lx] by rtrace without its ambient cache; `more` are options of its own."""
+    return _traced(folder, points, normals, "-I", *more, divisions=divisions, bounces=bounces)
 
 
 def luminance(folder: Path, eye: np.ndarray, directions: np.ndarray, *, divisions: int, bounces: int) -> np.ndarray:
@@ -125,6 +139,6 @@ def _traced(
     rows = "\n".join(" ".join(f"{v:.9g}" for v in (*p, *d)) for p, d in zip(origins, directions, strict=True))
     options = f"-h -n 2 -ab {bounces} -ad {divisions} -as 0 -aa 0 -lw {0.1 / divisions:.3g} -lr -{bounces + 4}"
     quality = "-ds .05 -dj .8 -dt 0 -dc 1 -st 0 -ss 4 -u+"
-    found = run("rtrace", *more, *options.split(), *quality.split(), "scene.oct", folder=folder, data=rows)
+    found = run("rtrace", *options.split(), *quality.split(), *more, "scene.oct", folder=folder, data=rows)
     values = np.array([[float(v) for v in line.split()] for line in found.decode().splitlines() if line.strip()])
     return np.asarray(EFFICACY * values @ WEIGHTS)

@@ -331,7 +331,8 @@ class Room:
         from clerestory.model import Model
         from clerestory.sky import Sky
 
-        even = Bsdf.from_models({"visible": {("exterior", "transmission"): Model.lambertian(1.0)}})
+        # A matrix is read off where another model would be sampled.
+        even = Bsdf.from_models({("exterior", "transmission"): Model.lambertian(1.0)}).to_matrix("klems-quarter")
         openings = self.windows + (self.ports if ports else [])
         windows = [(w.name, w.corners.tolist(), even._core, _GREY, list(w.up)) for w in openings]
         return self._room(windows, [], Sky.uniform())

@@ -42,7 +42,45 @@ pub(crate) fn triangles(corners: &[Vec3]) -> Result<Vec<[usize; 3]>> {
     }
     let [u, v] = normal.frame();
     let flat: Vec<[f64; 2]> = (0..n).map(|k| [from(k).dot(u), from(k).dot(v)]).collect();
-    ears(&flat, reach * reach * 1e-13)
+    ears(&flat, outline(&flat), reach * reach * 1e-13)
+}
+
+/// Numbers of the corners in order, with the loops of holes against the sense of what they are in: programs that count
+/// crossings take holes of either sense, and their files have both.
+fn outline(flat: &[[f64; 2]]) -> Vec<usize> {
+    let n = flat.len();
+    let mut order: Vec<usize> = (0..n).collect();
+    for first in 0..n {
+        for last in first + 3..n {
+            // A seam goes there and back.
+            let (before, after) = ((first + n - 1) % n, (last + 1) % n);
+            if flat[first] != flat[last] || flat[before] != flat[after] || before == after {
+                continue;
+            }
+            let around: Vec<[f64; 2]> = flat[..first].iter().chain(&flat[last + 1..]).copied().collect();
+            if area(&flat[first..last]) * area(&around) > 0.0 && contains(&around, flat[first]) {
+                order[first..=last].reverse();
+            }
+        }
+    }
+    order
+}
+
+/// Twice the area of a loop, positive if it runs counter-clockwise.
+fn area(corners: &[[f64; 2]]) -> f64 {
+    (1..corners.len().max(1) - 1)
+        .map(|k| turn(corners[0], corners[k], corners[k + 1]))
+        .sum()
+}
+
+/// Whether a point lies in a loop, by counting crossings.
+fn contains(corners: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+    let n = corners.len();
+    let crossed = |k: &usize| {
+        let ([x0, y0], [x1, y1]) = (corners[*k], corners[(k + 1) % n]);
+        (y0 > y) != (y1 > y) && x < x0 + (y - y0) / (y1 - y0) * (x1 - x0)
+    };
+    (0..n).filter(crossed).count() % 2 == 1
 }
 
 /// Twice the area along the normal (Newell), about the first corner so that no digits are lost, and the greatest distance
@@ -72,8 +110,7 @@ fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
 }
 
 /// Cuts off ears (Meisters 1975) until nothing is left. Areas up to `nothing` are rounding.
-fn ears(flat: &[[f64; 2]], nothing: f64) -> Result<Vec<[usize; 3]>> {
-    let mut left: Vec<usize> = (0..flat.len()).collect();
+fn ears(flat: &[[f64; 2]], mut left: Vec<usize>, nothing: f64) -> Result<Vec<[usize; 3]>> {
     let mut cut = Vec::with_capacity(flat.len() - 2);
     let mut work = 0_u64;
     while left.len() > 3 {
@@ -195,30 +232,30 @@ mod tests {
     }
 
     #[test]
-    fn a_hole_is_joined_by_a_seam() {
-        let frame = [
-            [0.0, 0.0],
-            [4.0, 0.0],
-            [4.0, 4.0],
-            [0.0, 4.0],
-            [0.0, 0.0],
-            [1.0, 1.0],
-            [1.0, 3.0],
-            [3.0, 3.0],
-            [3.0, 1.0],
-            [1.0, 1.0],
-        ];
-        let corners = tilted(&frame, 1.0);
-        let cut = triangles(&corners).unwrap();
-        assert!((area(&corners, &cut) - 12.0).abs() < 1e-12);
-        for &[a, b, c] in &cut {
-            let m = (corners[a] + corners[b] + corners[c]) * (1.0 / 3.0);
-            let y = m.y * (0.8_f64 * 0.8 + 1.0).sqrt();
-            assert!(
-                !((1.0..3.0).contains(&m.x) && (1.0..3.0).contains(&y)),
-                "a triangle in the hole"
-            );
+    fn a_hole_of_either_sense_is_joined_by_a_seam() {
+        let outside = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0], [0.0, 0.0]];
+        let mut hole = [[1.0, 1.0], [1.0, 3.0], [3.0, 3.0], [3.0, 1.0], [1.0, 1.0]];
+        for _ in 0..2 {
+            let corners = tilted(&[outside, hole].concat(), 1.0);
+            let cut = triangles(&corners).unwrap();
+            assert!((area(&corners, &cut) - 12.0).abs() < 1e-12);
+            for &[a, b, c] in &cut {
+                let m = (corners[a] + corners[b] + corners[c]) * (1.0 / 3.0);
+                let y = m.y * (0.8_f64 * 0.8 + 1.0).sqrt();
+                assert!(
+                    !((1.0..3.0).contains(&m.x) && (1.0..3.0).contains(&y)),
+                    "a triangle in the hole"
+                );
+            }
+            hole.reverse();
         }
+    }
+
+    #[test]
+    fn what_is_beside_is_no_hole() {
+        let first = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0], [0.0, 0.0]];
+        let beside = [[-1.0, -1.0], [-3.0, -1.0], [-3.0, -3.0], [-1.0, -3.0], [-1.0, -1.0]];
+        assert_eq!(outline(&[first, beside].concat()), (0..10).collect::<Vec<_>>());
     }
 
     #[test]
