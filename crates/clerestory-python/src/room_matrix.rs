@@ -32,6 +32,14 @@ type Apertures<'py> = (
     Bound<'py, PyArray2<f32>>,
 );
 
+/// Pixel, share and window (n); direction (n, 3).
+type WindowsSeen<'py> = (
+    Bound<'py, PyArray1<i64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<i64>>,
+    Bound<'py, PyArray2<f64>>,
+);
+
 /// Windows and radiances (directions, suns).
 type LitBySuns<'py> = (Bound<'py, PyArray2<u16>>, Bound<'py, PyArray2<f32>>);
 
@@ -102,7 +110,7 @@ impl PyWindowGroups {
         matrix(py, found)
     }
 
-    /// Radiance in the pixels `first` to `last` of a view's picture by the radiance of the windows' patches.
+    /// Radiance of the surfaces in the pixels `first` to `last` of a view's picture by the radiance of the windows' patches.
     #[pyo3(signature = (view, width, height, first, last, samples, seed, report=None))]
     #[allow(clippy::too_many_arguments, reason = "a picture, a part of it, and how")]
     fn picture_matrix<'py>(
@@ -123,6 +131,24 @@ impl PyWindowGroups {
                 .picture_matrix(&view.0, [width, height], first..last, &self.groups, paths, progress)
         })?;
         matrix(py, found)
+    }
+
+    /// What the pixels of a view's picture show of windows, or parts of pixels: number of the pixel, its share, and number of the
+    /// window from 0 (n); direction (n, 3).
+    fn windows_seen<'py>(
+        &self,
+        py: Python<'py>,
+        view: &PyView,
+        width: usize,
+        height: usize,
+    ) -> PyResult<WindowsSeen<'py>> {
+        let seen = py.detach(|| self.room.windows_seen(&view.0, [width, height]));
+        Ok((
+            PyArray1::from_iter(py, seen.iter().map(|s| s.pixel as i64)),
+            PyArray1::from_iter(py, seen.iter().map(|s| s.share)),
+            PyArray1::from_iter(py, seen.iter().map(|s| i64::from(s.window))),
+            rows(py, seen.iter().flat_map(|s| s.direction.array()).collect(), 3)?,
+        ))
     }
 
     /// Mean radiance from the room at a group's windows by patches of interior light, by the radiance of the windows' patches.

@@ -1,7 +1,7 @@
 """The windows as points see them, at a finer resolution than that of the patches.
 
-Cells of the square of a group's directions have the sky's light through the system, by the patches that it arrives
-in, and the sun's at the data set's own resolution. Beams show the sky itself.
+Directions, such as cells of the square of a group's directions, have the sky's light through the system, by the
+patches that it arrives in, and the sun's at the data set's own resolution. Beams show the sky itself.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clerestory import _core
-from clerestory.annual.sun import SunThrough
+from clerestory.annual.sun import Outgoing, SunThrough
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -32,47 +32,44 @@ _INCIDENT = 64
 
 @dataclass(frozen=True)
 class SkyThrough:
-    """The sky's light through the cells of the windows' directions."""
+    """The sky's light through the windows, by directions."""
 
-    numbers: NDArray[np.int64]
-    """(cells) group · steps² + cell."""
     patch: NDArray[np.int64]
-    """(cells) patch of all groups that each lies in."""
+    """(directions) patch of all groups that each lies in."""
     scattered: Floats
-    """(cells, groups · patches) radiance of a cell by that of the incident patches; without beams."""
+    """(directions, groups · patches) radiance by that of the incident patches; without beams."""
     beam: Floats
-    """(cells) transmittance of what goes straight on."""
+    """(directions) transmittance of what goes straight on."""
     behind: NDArray[np.int64]
-    """(cells) patch of the sky behind a cell."""
+    """(directions) patch of the sky behind the window."""
     free: NDArray[np.bool_]
-    """(cells) whether nothing but sky and ground is before the group's windows."""
+    """(directions) whether nothing but sky and ground is before the group's windows."""
 
     @classmethod
-    def of(cls, through: SunThrough, numbers: NDArray[np.int64], sky: _core.SkyPatches) -> SkyThrough:
-        """Of cells that some eye sees."""
-        matrices, steps = through.matrices, through.steps
+    def of(cls, through: SunThrough, outgoing: Outgoing, sky: _core.SkyPatches) -> SkyThrough:
+        """Of directions that some eye sees."""
+        matrices, count = through.matrices, len(outgoing.group)
         basis, patches = matrices.basis, len(matrices.basis)
-        outgoing = _core.square_directions(steps)[numbers % steps**2]
-        group = numbers // steps**2
-        patch = basis._core.patch_of(np.ascontiguousarray(outgoing[:, :2])) + group * patches
-        scattered = np.zeros((len(numbers), len(through.systems) * patches), dtype=np.float32)
-        beam = np.zeros(len(numbers), dtype=np.float32)
-        behind = np.zeros(len(numbers), dtype=np.int64)
-        free = np.zeros(len(numbers), dtype=bool)
+        disk = np.ascontiguousarray(outgoing.direction[:, :2])
+        patch = basis._core.patch_of(disk) + outgoing.group * patches
+        scattered = np.zeros((count, len(through.systems) * patches), dtype=np.float32)
+        beam = np.zeros(count, dtype=np.float32)
+        behind = np.zeros(count, dtype=np.int64)
+        free = np.zeros(count, dtype=bool)
         for number, bsdf in enumerate(through.systems):
-            here = np.flatnonzero(group == number)
+            here = np.flatnonzero(outgoing.group == number)
             if not len(here):
                 continue
             columns = slice(number * patches, (number + 1) * patches)
-            scattered[here, columns] = _scattered(bsdf, through.band, basis._core, outgoing[here])
-            world = -outgoing[here] @ matrices.frame(number)
+            scattered[here, columns] = _scattered(bsdf, through.band, basis._core, outgoing.direction[here])
+            world = -outgoing.direction[here] @ matrices.frame(number)
             beam[here] = through.beams(number, world)
             behind[here] = sky.patch_of(np.ascontiguousarray(world))
             free[here] = not len(matrices.outside_of(number))
-        return cls(numbers, patch, scattered, beam, behind, free)
+        return cls(patch, scattered, beam, behind, free)
 
     def radiance(self, arrives: Floats, sky: Floats) -> Floats:
-        """Radiance (cells, steps).
+        """Radiance (directions, steps).
 
         Parameters
         ----------
@@ -86,7 +83,7 @@ class SkyThrough:
 
 
 def _scattered(bsdf: Bsdf, band: str | None, basis: _core.Basis, outgoing: Doubles) -> Floats:
-    """Radiance of cells (cells, patches) by that of incident patches, each probed at the cells of a square."""
+    """Radiance (directions, patches) by that of incident patches, each probed at the cells of a square."""
     incident = _core.square_directions(_INCIDENT)
     patch = basis.patch_of(np.ascontiguousarray(incident[:, :2]))
     # Each point stands for an equal part of its patch.
@@ -121,7 +118,9 @@ class SeenWindows:
     points, normals
         (n, 3) [m], and (n, 3) of length 1.
     seen
-        What they see, by the same steps as `through`.
+        What they see.
+    steps
+        Cells along each axis of the square.
     through
         The sun through the windows.
     sky
@@ -129,7 +128,13 @@ class SeenWindows:
     """
 
     def __init__(
-        self, points: Doubles, normals: Doubles, seen: Apertures, through: SunThrough, sky: _core.SkyPatches
+        self,
+        points: Doubles,
+        normals: Doubles,
+        seen: Apertures,
+        steps: int,
+        through: SunThrough,
+        sky: _core.SkyPatches,
     ) -> None:
         from scipy.sparse import csr_array
 
@@ -137,7 +142,8 @@ class SeenWindows:
         self.through = through
         self.numbers, self.columns = np.unique(seen.number, return_inverse=True)
         """Of the cells that any point sees, and the place of each seen cell among them."""
-        self.sky = SkyThrough.of(through, self.numbers, sky)
+        self._outgoing = Outgoing.of_cells(self.numbers, steps)
+        self.sky = SkyThrough.of(through, self._outgoing, sky)
         self._weights = csr_array((seen.projected, self.columns, seen.first), shape=(len(points), len(self.numbers)))
 
     @classmethod
@@ -152,7 +158,7 @@ class SeenWindows:
     ) -> SeenWindows:
         """In cells of `steps` along each axis of the square."""
         seen = matrices.apertures(points, normals, steps, parts=4)
-        return cls(points, normals, seen, SunThrough(matrices, tuple(systems), steps), sky)
+        return cls(points, normals, seen, steps, SunThrough(matrices, tuple(systems)), sky)
 
     def from_cells(self, radiance: Floats) -> Doubles:
         """Irradiance (points, steps) by the radiance of cells (cells, steps)."""
@@ -162,7 +168,7 @@ class SeenWindows:
         """What the cells and the sun send at some steps."""
         return CellLight(
             self.sky.radiance(light.diffuse, light.sky),
-            self.through.radiance(self.numbers, light.suns, light.irradiance).T,
+            self.through.radiance(self._outgoing, light.suns, light.irradiance).T,
             self.through.through(self.points, light.suns, light.irradiance),
         )
 

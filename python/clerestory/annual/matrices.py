@@ -61,6 +61,20 @@ class Apertures:
     """(cells, 3) towards it."""
 
 
+@dataclass(frozen=True)
+class WindowsSeen:
+    """What pixels show of windows, or parts of pixels."""
+
+    pixel: NDArray[np.int64]
+    """(n) its number, row by row from the top left."""
+    share: NDArray[np.float64]
+    """(n) of the pixel."""
+    group: NDArray[np.int64]
+    """(n) of the window."""
+    direction: NDArray[np.float64]
+    """(n, 3) from the eye."""
+
+
 class RoomMatrices:
     """The matrices of a room's windows in groups: those that share a system and look the same way.
 
@@ -131,7 +145,7 @@ class RoomMatrices:
             lambda: self._groups.view_matrix(at, towards, direct_meetings, samples, self.seed, progress),
         )
 
-    def picture(
+    def surfaces(
         self,
         view: View,
         size_px: tuple[int, int],
@@ -139,9 +153,10 @@ class RoomMatrices:
         samples: int = 64,
         progress: Callable[[float], object] | None = None,
     ) -> Matrix:
-        """Radiance in the pixels of a picture, row by row from the top left, by the radiance of patches.
+        """Radiance of the surfaces in the pixels of a picture, row by row from the top left, by that of patches.
 
-        Direct is what is seen of a window, and what a surface that is seen gets from it.
+        Direct is what a surface that is seen gets from a window. The windows themselves are not in it, see
+        `windows_seen`; a pixel that shows both has the surface's radiance times its share.
         """
         width, height = size_px
         key = {"view": view.options, "size": [width, height], "samples": samples, "basis": self.basis.name}
@@ -161,7 +176,12 @@ class RoomMatrices:
                 parts.append(_photopic(made))
             return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
-        return Matrix(**self.cache.get("picture", {**self._key, **key}, compute))
+        return Matrix(**self.cache.get("surfaces", {**self._key, **key}, compute))
+
+    def windows_seen(self, view: View, size_px: tuple[int, int]) -> WindowsSeen:
+        """What the pixels of a picture show of windows; those at an edge in parts."""
+        pixel, share, window, direction = self._groups.windows_seen(view._core, *size_px)
+        return WindowsSeen(pixel, share, np.array(self.of_window, dtype=np.int64)[window], direction)
 
     def returned(self, group: int, *, samples: int = 4096) -> Matrix:
         """Mean radiance from the room at a group's windows by patches of interior light (rows), by that of patches."""

@@ -10,10 +10,13 @@ import numpy as np
 from clerestory.photometry import EFFICACY
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from clerestory.annual.cells import CellLight, SeenWindows
     from clerestory.annual.matrices import Matrix
+    from clerestory.weather import SkyYear
 
     Doubles = NDArray[np.float64]
     Floats = NDArray[np.float32]
@@ -33,6 +36,19 @@ class Light:
     """(steps, 3) toward the sun."""
     irradiance: Doubles
     """(steps) of a plane that faces it."""
+
+    @classmethod
+    def of(cls, sky: SkyYear, daylight: Sequence[Matrix], steps: NDArray[np.int64]) -> Light:
+        """Of steps of a year, by the daylight matrix of each group of windows."""
+        by_sky = np.asarray(sky.columns(steps, part="sky"), dtype=np.float32)
+        by_sun = np.asarray(sky.columns(steps, part="sun"), dtype=np.float32)
+        return cls(
+            sky=by_sky,
+            diffuse=np.concatenate([d.all @ by_sky + (d.all - d.direct) @ by_sun for d in daylight]),
+            directly=np.concatenate([d.direct @ by_sun for d in daylight]),
+            suns=sky.suns.directions[steps],
+            irradiance=sky.suns.irradiance[steps],
+        )
 
     @property
     def steps(self) -> int:

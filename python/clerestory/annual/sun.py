@@ -78,6 +78,21 @@ class SunSeen:
 
 
 @dataclass(frozen=True)
+class Outgoing:
+    """Directions in which windows send light into the room."""
+
+    group: NDArray[np.int64]
+    """(n) of the window."""
+    direction: Doubles
+    """(n, 3) in the frame of the group's samples."""
+
+    @classmethod
+    def of_cells(cls, numbers: NDArray[np.int64], steps: int) -> Outgoing:
+        """Middles of cells, numbered as apertures number them, of a square with `steps` along each axis."""
+        return cls(numbers // steps**2, _core.square_directions(steps)[numbers % steps**2])
+
+
+@dataclass(frozen=True)
 class SunThrough:
     """The sun through the windows of a room.
 
@@ -87,39 +102,34 @@ class SunThrough:
         The room.
     systems
         Data set of each group, with its beams separated or not.
-    steps
-        Cells along each axis of the square of a group's directions.
     band
         Of the data sets.
     """
 
     matrices: RoomMatrices
     systems: tuple[Bsdf, ...]
-    steps: int = 64
     band: str | None = None
 
-    def radiance(self, numbers: NDArray[np.int64], suns: Doubles, irradiance: Doubles) -> Floats:
-        """Radiance (steps, cells) of cells of the windows, without beams.
+    def radiance(self, outgoing: Outgoing, suns: Doubles, irradiance: Doubles) -> Floats:
+        """Radiance (steps, directions) of the windows, without beams.
 
         Parameters
         ----------
-        numbers
-            Of the cells, as apertures have them.
+        outgoing
+            Directions of the windows' light.
         suns, irradiance
             Unit vectors (steps, 3) toward the sun in the world, and what it gives to a plane that faces it (steps).
         """
-        cells = _core.square_directions(self.steps)
-        found = np.zeros((len(suns), len(numbers)), dtype=np.float32)
+        found = np.zeros((len(suns), len(outgoing.group)), dtype=np.float32)
         for group, bsdf in enumerate(self.systems):
             frame = self.matrices.frame(group)
             incident = suns @ frame.T
             facing = np.flatnonzero((incident[:, 2] < 0.0) & (irradiance > 0.0))
-            here = np.flatnonzero(numbers // self.steps**2 == group)
+            here = np.flatnonzero(outgoing.group == group)
             if not len(facing) or not len(here):
                 continue
             lit = self._lit(group, suns[facing])
-            outgoing = cells[numbers[here] % self.steps**2]
-            values = bsdf.evaluate(incident[facing, None, :], outgoing[None, :, :], self.band)
+            values = bsdf.evaluate(incident[facing, None, :], outgoing.direction[here][None, :, :], self.band)
             falls = -incident[facing, 2] * irradiance[facing] * lit
             found[np.ix_(facing, here)] = np.maximum(values, 0.0) * falls[:, None]
         return found
@@ -150,13 +160,17 @@ class SunThrough:
 
         `straight` (steps) is what is seen of that through windows.
         """
-        surfaces = np.zeros((len(eye.directions), len(suns)), dtype=np.float32)
+        return SunSeen(suns, straight, self.on_surfaces(eye.point[0], eye.directions, suns, irradiance))
+
+    def on_surfaces(self, point: Doubles, directions: Doubles, suns: Doubles, irradiance: Doubles) -> Floats:
+        """Radiance (directions, steps) of what an eye at a point (3) sees of what suns light through beams."""
+        found = np.zeros((len(directions), len(suns)), dtype=np.float32)
         passed = np.stack([self.beams(group, suns) for group in range(len(self.systems))]) * irradiance
         up = np.flatnonzero(passed.max(axis=0) > 0.0)
         if len(up):
-            groups, factors = self.matrices.sunlit(eye.point[0], eye.directions, suns[up])
-            surfaces[:, up] = np.where(groups >= 0, factors * passed[:, up][groups, np.arange(len(up))], 0.0)
-        return SunSeen(suns, straight, surfaces)
+            groups, factors = self.matrices.sunlit(point, directions, suns[up])
+            found[:, up] = np.where(groups >= 0, factors * passed[:, up][groups, np.arange(len(up))], 0.0)
+        return found
 
     def _lit(self, group: int, suns: Doubles) -> Doubles:
         """Share of a group's windows that each sun reaches from outside."""

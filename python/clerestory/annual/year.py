@@ -137,23 +137,15 @@ class RoomYear:
         daylight = [matrices.daylight(g, self.sky.patches, samples=sampling.daylight) for g in groups]
         returned = [matrices.returned(g, samples=sampling.daylight).all for g in groups]
         prepared = {name: self._prepared(systems, returned) for name, systems in data_sets.items()}
-        suns, irradiance, is_lit = self.sky.suns.directions, self.sky.suns.irradiance, self.sky.is_lit
-        for first in range(0, len(suns), sampling.chunk):
-            part = slice(first, min(first + sampling.chunk, len(suns)))
+        is_lit = self.sky.is_lit
+        for first in range(0, len(is_lit), sampling.chunk):
+            part = slice(first, min(first + sampling.chunk, len(is_lit)))
             lit = np.flatnonzero(is_lit[part])
-            sky = np.asarray(self.sky.columns(part, part="sky"), dtype=np.float32)[:, lit]
-            sun = np.asarray(self.sky.columns(part, part="sun"), dtype=np.float32)[:, lit]
-            light = Light(
-                sky=sky,
-                diffuse=np.concatenate([d.all @ sky + (d.all - d.direct) @ sun for d in daylight]),
-                directly=np.concatenate([d.direct @ sun for d in daylight]),
-                suns=suns[part][lit],
-                irradiance=irradiance[part][lit],
-            )
+            light = Light.of(self.sky, daylight, first + lit)
             for name, (points, eyes) in prepared.items():
                 yield name, self._part(part, lit, light, points, eyes)
             if progress is not None:
-                progress(part.stop / len(suns))
+                progress(part.stop / len(is_lit))
 
     def _prepared(self, systems: Sequence[Bsdf], returned: Sequence[Floats]) -> tuple[Lit | None, _Eyes | None]:
         transfers = [Transfer.of(bsdf, self.matrices.basis) for bsdf in systems]
