@@ -8,7 +8,7 @@ use clerestory::room::{Groups, Paths, Room, Rows};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::rows;
+use crate::arrays::{pairs, rows};
 use crate::basis::PyBasis;
 use crate::errors::{ClerestoryError, raise};
 use crate::jobs::watched;
@@ -266,6 +266,22 @@ impl PyWindowGroups {
         let frame = self.room.frame_of(group, &self.groups).map_err(raise)?;
         Ok(frame.map(Vec3::array))
     }
+}
+
+/// Cells (n) of the square, row by row with `steps` along each axis, that points (n, 2) of the disk lie in.
+#[pyfunction]
+pub fn square_cells<'py>(
+    py: Python<'py>,
+    points: PyReadonlyArray2<'py, f64>,
+    steps: usize,
+) -> PyResult<Bound<'py, PyArray1<i64>>> {
+    let cell = |p: &[f64; 2]| {
+        let [row, column] = Disk::new(p[0], p[1])
+            .to_square()
+            .map(|u| ((u * steps as f64) as usize).min(steps - 1));
+        (row * steps + column) as i64
+    };
+    Ok(PyArray1::from_iter(py, pairs(&points, "points")?.iter().map(cell)))
 }
 
 /// Outgoing directions (steps², 3), in the frame of a sample, of the middles of the square's cells, row by row.

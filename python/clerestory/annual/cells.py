@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     Doubles = NDArray[np.float64]
     Floats = NDArray[np.float32]
 
-_INCIDENT = 64
-"""Steps along each axis of the square on which incident light is summed."""
+_INCIDENT, _OUTGOING = 64, 128
+"""Steps along each axis of the squares on which the sky's light is summed, and found."""
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,10 @@ class SkyThrough:
 
     patch: NDArray[np.int64]
     """(directions) patch of all groups that each lies in."""
+    cell: NDArray[np.int64]
+    """(directions) cell of the square that each lies in, of those in `scattered`."""
     scattered: Floats
-    """(directions, groups · patches) radiance by that of the incident patches; without beams."""
+    """(cells, groups · patches) radiance by that of the incident patches; without beams."""
     beam: Floats
     """(directions) transmittance of what goes straight on."""
     behind: NDArray[np.int64]
@@ -52,7 +54,10 @@ class SkyThrough:
         basis, patches = matrices.basis, len(matrices.basis)
         disk = np.ascontiguousarray(outgoing.direction[:, :2])
         patch = basis._core.patch_of(disk) + outgoing.group * patches
-        scattered = np.zeros((count, len(through.systems) * patches), dtype=np.float32)
+        numbers = _core.square_cells(disk, _OUTGOING) + outgoing.group * _OUTGOING**2
+        numbers, cell = np.unique(numbers, return_inverse=True)
+        cells = Outgoing.of_cells(numbers, _OUTGOING)
+        scattered = np.zeros((len(numbers), len(through.systems) * patches), dtype=np.float32)
         beam = np.zeros(count, dtype=np.float32)
         behind = np.zeros(count, dtype=np.int64)
         free = np.zeros(count, dtype=bool)
@@ -61,12 +66,14 @@ class SkyThrough:
             if not len(here):
                 continue
             columns = slice(number * patches, (number + 1) * patches)
-            scattered[here, columns] = _scattered(bsdf, through.band, basis._core, outgoing.direction[here])
+            of_group = np.flatnonzero(cells.group == number)
+            directions = cells.direction[of_group]
+            scattered[of_group, columns] = _scattered(bsdf, through.band, basis._core, directions)
             world = -outgoing.direction[here] @ matrices.frame(number)
-            beam[here] = through.beams(number, world)
+            beam[here] = through.passed(number, world)
             behind[here] = sky.patch_of(np.ascontiguousarray(world))
             free[here] = not len(matrices.outside_of(number))
-        return cls(patch, scattered, beam, behind, free)
+        return cls(patch, cell, scattered, beam, behind, free)
 
     def radiance(self, arrives: Floats, sky: Floats) -> Floats:
         """Radiance (directions, steps).
@@ -79,7 +86,7 @@ class SkyThrough:
             Radiance (patches of the sky, steps), without the sun.
         """
         seen = np.where(self.free[:, None], sky[self.behind], arrives[self.patch])
-        return np.asarray(self.scattered @ arrives + self.beam[:, None] * seen)
+        return np.asarray((self.scattered @ arrives)[self.cell] + self.beam[:, None] * seen)
 
 
 def _scattered(bsdf: Bsdf, band: str | None, basis: _core.Basis, outgoing: Doubles) -> Floats:
@@ -157,10 +164,10 @@ class SeenWindows:
         sky: _core.SkyPatches,
     ) -> SeenWindows:
         """In cells of `steps` along each axis of the square."""
-        seen = matrices.apertures(points, normals, steps, parts=4)
+        seen = matrices.apertures(points, normals, steps)
         return cls(points, normals, seen, steps, SunThrough(matrices, tuple(systems)), sky)
 
-    def from_cells(self, radiance: Floats) -> Doubles:
+    def from_cells(self, radiance: Floats | Doubles) -> Doubles:
         """Irradiance (points, steps) by the radiance of cells (cells, steps)."""
         return np.asarray(self._weights @ radiance, dtype=np.float64)
 

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float32]
 
 
+_PROBES = 256
+"""Rays along each axis of the square by which it is found how much is seen of a cell, at least; two of each cell."""
 _OUTSIDE = 64
 """Points at which windows are asked whether the sun reaches them."""
 
@@ -196,13 +198,9 @@ class RoomMatrices:
         key = {"group": group, "patches": patches.name, "samples": samples, "basis": self.basis.name}
         return self._of("daylight", key, lambda: self._groups.daylight_matrix(group, patches._core, samples, self.seed))
 
-    def apertures(
-        self, points: NDArray[np.float64], normals: NDArray[np.float64], steps: int, *, parts: int = 2
-    ) -> Apertures:
-        """What points (n, 3) with normals (n, 3) see of the windows, in `steps` cells along each axis of the square.
-
-        Each cell is probed by `parts` × `parts` rays.
-        """
+    def apertures(self, points: NDArray[np.float64], normals: NDArray[np.float64], steps: int) -> Apertures:
+        """What points (n, 3) with normals (n, 3) see of the windows, in `steps` cells along each axis of the square."""
+        parts = max(2, _PROBES // steps)
         key = {"points": digest(points), "normals": digest(normals), "steps": steps, "parts": parts}
         names = ("first", "number", "solid_angle", "projected", "direction")
 

@@ -18,6 +18,7 @@ from clerestory.annual.glare import SOLAR_SOLID_ANGLE
 from clerestory.annual.phases import Transfer, leaving
 from clerestory.annual.points import Light
 from clerestory.annual.sun import Outgoing, SunThrough
+from clerestory.glare import evaluate
 from clerestory.picture import Picture
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
     from clerestory.annual.matrices import RoomMatrices
     from clerestory.bsdf import Bsdf
+    from clerestory.glare import Settings
     from clerestory.picture import View
     from clerestory.weather import SkyYear
 
@@ -114,6 +116,19 @@ class SystemPictures:
             radiance = self._radiance(Light.of(self._year.sky, self._year._daylight, part))
             for step, values in zip(part.tolist(), radiance.T, strict=True):
                 yield step, self._picture(values)
+
+    def rated(self, light: Light, settings: Settings, indices: Sequence[str]) -> dict[str, Doubles]:
+        """Illuminance at the eye [lx] and indices (steps) by name, of pictures; not a number where it is dark."""
+        found = {"illuminance": np.zeros(light.steps)} | {name: np.full(light.steps, np.nan) for name in indices}
+        for first in range(0, light.steps, _TOGETHER):
+            for number, values in enumerate(self._radiance(light.part(slice(first, first + _TOGETHER))).T, first):
+                if not values.any():
+                    continue
+                rated = evaluate(self._picture(values), settings)
+                found["illuminance"][number] = rated.vertical_illuminance
+                for name in indices:
+                    found[name][number] = getattr(rated, name)
+        return found
 
     def _picture(self, radiance: Floats) -> Picture:
         from clerestory import __version__

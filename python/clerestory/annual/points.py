@@ -50,6 +50,11 @@ class Light:
             irradiance=sky.suns.irradiance[steps],
         )
 
+    def part(self, steps: slice) -> Light:
+        """Some of the steps."""
+        sky, diffuse, directly = (array[:, steps] for array in (self.sky, self.diffuse, self.directly))
+        return Light(sky, diffuse, directly, self.suns[steps], self.irradiance[steps])
+
     @property
     def steps(self) -> int:
         """How many."""

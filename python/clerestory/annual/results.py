@@ -54,6 +54,18 @@ def _of(study: Study, outcome: Outcome, weights: NDArray[np.float64]) -> dict[st
     return {"data_set": outcome.name, "sensors": sensors, "views": views}
 
 
+def write_pictures(study: Study, steps: Sequence[int], folder: Path) -> list[Path]:
+    """Write pictures of steps into a folder, of each view and data set; their paths."""
+    folder.mkdir(parents=True, exist_ok=True)
+    made = []
+    for data_set, view, step, picture in study.pictures(steps):
+        when = study.weather.words(step).replace(" ", "-").replace(":", "")
+        path = folder / f"{_slug(view)}-{_slug(data_set)}-{when}.hdr"
+        picture.write(path)
+        made.append(path)
+    return made
+
+
 def write(study: Study, outcomes: Sequence[Outcome], folder: Path) -> list[Path]:
     """Write `results.nc`, tables and pictures into a folder; their paths."""
     from clerestory.plot import style

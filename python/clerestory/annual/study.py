@@ -12,7 +12,9 @@ from pydantic import Field, model_validator
 from clerestory.annual.cache import Cache
 from clerestory.annual.matrices import RoomMatrices
 from clerestory.annual.metrics import PointYear
+from clerestory.annual.pictures import YearPictures
 from clerestory.annual.year import INDICES, RoomYear, Sampling
+from clerestory.picture import View
 from clerestory.room.recipe import System
 from clerestory.room.world import load as load_room
 from clerestory.room.world import system_of
@@ -22,13 +24,14 @@ from clerestory.weather import Hours, SkyYear, read_weather, synthetic_year
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator, Sequence
 
     from numpy.typing import NDArray
 
     from clerestory.annual.metrics import PointMetrics
     from clerestory.annual.year import Part
     from clerestory.bsdf import Bsdf
+    from clerestory.picture import Picture
     from clerestory.room import Room
     from clerestory.weather import Weather
 
@@ -59,6 +62,10 @@ class Recipe(Keys):
     """A weather file; without one a year is made up for the room's place, and says so."""
     method: Literal["3-phase", "5-phase"] = "5-phase"
     """Whether the direct sun has the resolution of the data set."""
+    glare: Literal["imageless", "pictures"] = "imageless"
+    """Whether glare is found in what eyes see of windows and surfaces, or in pictures of every step."""
+    picture_px: Annotated[int, Field(ge=100, le=2000)] = 380
+    """Width and height of pictures; of 380 a pixel is as large as the sun."""
     patches: str = "reinhart:4"
     """Of the sky."""
     sensors: list[str] = Field(default_factory=list)
@@ -143,22 +150,15 @@ class Study:
             Called with the share of the year that is done.
         """
         recipe = self.recipe
-        north = self.room.recipe.sky.north_deg
-        sky = SkyYear(
-            self.weather,
-            recipe.patches,
-            ground_reflectance=self.room.recipe.sky.ground_reflectance,
-            north_deg=north,
-        )
-        matrices = RoomMatrices(self.room, cache=self.cache, seed=recipe.seed)
         eyes = {name: (self.room.view(name).point_m, self.room.view(name).direction) for name in self.views}
         year = RoomYear(
-            matrices,
-            sky,
+            RoomMatrices(self.room, cache=self.cache, seed=recipe.seed),
+            self._sky(),
             self.points,
             self.normals,
             eyes,
             method=recipe.method,
+            picture_px=recipe.picture_px if recipe.glare == "pictures" else None,
             sampling=Sampling(view=recipe.paths),
         )
         weights = self.hours.weights(self.weather)
@@ -166,6 +166,26 @@ class Study:
         for name, part in year.of(self.data_sets, progress):
             outcomes[name].add(part, weights[part.steps])
         return [collected.outcome() for collected in outcomes.values()]
+
+    def pictures(self, steps: Sequence[int]) -> Iterator[tuple[str, str, int, Picture]]:
+        """Pictures of some steps: of which data set, view and step each is, and the fisheye of 180° itself."""
+        matrices = RoomMatrices(self.room, cache=self.cache, seed=self.recipe.seed)
+        sky, size = self._sky(), (self.recipe.picture_px, self.recipe.picture_px)
+        for view in self.views:
+            eye = View.fisheye(self.room.view(view).point_m, self.room.view(view).direction)
+            year = YearPictures(matrices, sky, eye, size)
+            for name, systems in self.data_sets.items():
+                for step, picture in year.of(systems).at(steps):
+                    yield name, view, step, picture
+
+    def _sky(self) -> SkyYear:
+        sky = self.room.recipe.sky
+        return SkyYear(
+            self.weather,
+            self.recipe.patches,
+            ground_reflectance=sky.ground_reflectance,
+            north_deg=sky.north_deg,
+        )
 
     def _weather(self, folder: Path) -> Weather:
         if self.recipe.weather is not None:

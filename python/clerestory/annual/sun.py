@@ -7,6 +7,7 @@ points, and beams go to the points that see the sun through a window.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ import numpy as np
 from clerestory import _core
 from clerestory.annual.phases import straight_through
 from clerestory.picture import View
+from clerestory.sky.model import SOLAR_DIAMETER_DEG
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -26,8 +28,16 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float32]
 
 
-_SURFACES = 48
-"""Directions along each axis of the square on which an eye looks for sunlit surfaces."""
+_SURFACES = 96
+"""Pixels across the hemispherical picture in which an eye sees surfaces."""
+_LEAST_SHARE = 0.05
+"""Of a surface in such a pixel; the rest of one with less is a window."""
+_RING = 6
+"""Points of the sun's disc about its middle."""
+_RING_RADIUS = math.radians(SOLAR_DIAMETER_DEG / 2.0) * math.sqrt((_RING + 1) / (2.0 * _RING))
+"""Of these [rad]: with the middle they have the disc's spread."""
+_PROBES = 64
+"""Directions by which it is seen whether a data set changes within the disc."""
 
 
 @dataclass(frozen=True)
@@ -41,40 +51,40 @@ class Eye:
     seen: Apertures
     """What it sees of the windows, of one point."""
     directions: Doubles
-    """(n, 3) in which it looks for sunlit surfaces."""
+    """(n, 3) in which it sees surfaces."""
     solid_angles: Doubles
-    """(n) of these [sr]; each is an equal part of the projected solid angle."""
+    """(n) of these [sr]."""
+    surfaces: Floats
+    """(n, groups · patches) radiance of these surfaces by that of the windows' patches."""
+    directly: Floats
+    """(n, groups · patches) what of it they get from a window without another surface."""
 
     @classmethod
     def of(cls, matrices: RoomMatrices, point: ArrayLike, direction: ArrayLike, steps: int) -> Eye:
         """At a point [m], looking along a direction, with cells of `steps` along each axis of the square."""
         at, towards = (np.asarray(v, dtype=np.float64).reshape(1, 3) for v in (point, direction))
         towards = towards / np.linalg.norm(towards)
-        around = _core.square_directions(_SURFACES)
-        frame = View.fisheye(at[0], towards[0]).frame
-        areas = np.pi / _SURFACES**2 / around[:, 2]
-        return cls(at, towards, matrices.apertures(at, towards, steps, parts=4), around @ frame, areas)
+        view, size = View.fisheye(at[0], towards[0]).updated("-vth"), (_SURFACES, _SURFACES)
+        rows, windows = matrices.surfaces(view, size, samples=256), matrices.windows_seen(view, size)
+        share = 1.0 - np.bincount(windows.pixel, windows.share, minlength=_SURFACES**2)
+        directions = view.pixel_directions(*size).reshape(-1, 3)
+        seen = np.flatnonzero((share > _LEAST_SHARE) & np.isfinite(directions).all(axis=1))
+        solid_angles = (view.solid_angles(*size, exact=True).ravel() * share)[seen]
+        # A pixel's mean counts windows as black.
+        whole = (1.0 / share[seen, None]).astype(np.float32)
+        return cls(
+            at,
+            towards,
+            matrices.apertures(at, towards, steps),
+            directions[seen],
+            solid_angles,
+            rows.all[seen] * whole,
+            rows.direct[seen] * whole,
+        )
 
-
-@dataclass(frozen=True)
-class SunSeen:
-    """What an eye sees of the sun."""
-
-    directions: Doubles
-    """(steps, 3) toward it."""
-    straight: Doubles
-    """(steps) on a plane that faces it, of the sun that is seen through windows."""
-    surfaces: Floats
-    """(directions of the eye, steps) radiance of what it lights through beams of windows."""
-
-    @property
-    def from_surfaces(self) -> Doubles:
-        """Irradiance (steps) at the eye from what it lights."""
-        return np.asarray(np.pi * self.surfaces.mean(axis=0, dtype=np.float64))
-
-    def scaled(self, factor: float) -> SunSeen:
-        """In another unit."""
-        return SunSeen(self.directions, factor * self.straight, factor * self.surfaces)
+    def irradiance(self, surfaces: Floats) -> Doubles:
+        """Irradiance (steps) at the eye by the radiance of surfaces (n, steps)."""
+        return np.asarray((self.solid_angles * (self.directions @ self.direction[0])) @ surfaces, dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -129,16 +139,40 @@ class SunThrough:
             if not len(facing) or not len(here):
                 continue
             lit = self._lit(group, suns[facing])
-            values = bsdf.evaluate(incident[facing, None, :], outgoing.direction[here][None, :, :], self.band)
+            values = self._over_disc(bsdf, suns[facing], frame, outgoing.direction[here])
             falls = -incident[facing, 2] * irradiance[facing] * lit
-            found[np.ix_(facing, here)] = np.maximum(values, 0.0) * falls[:, None]
+            found[np.ix_(facing, here)] = values * falls[:, None]
+        return found
+
+    def _over_disc(self, bsdf: Bsdf, suns: Doubles, frame: Doubles, outgoing: Doubles) -> Doubles:
+        """Mean BSDF (steps, directions) over the sun's disc; of its middle where nothing changes within it."""
+
+        def values(directions: Doubles, towards: Doubles) -> Doubles:
+            incident = directions @ frame.T
+            found = bsdf.evaluate(incident[:, None, :], towards[None, :, :], self.band)
+            return np.asarray(np.maximum(found, 0.0) * (incident[:, 2] < 0.0)[:, None])
+
+        discs = _discs(suns)
+        found = values(suns, outgoing)
+        some = outgoing[:: max(1, len(outgoing) // _PROBES)]
+        middle = values(suns, some)
+        differs = np.any([(values(points, some) != middle).any(axis=1) for points in discs], axis=0)
+        if differs.any():
+            for points in discs:
+                found[differs] += values(points[differs], outgoing)
+            found[differs] /= len(discs) + 1
         return found
 
     def beams(self, group: int, suns: Doubles) -> Doubles:
-        """Transmittance (steps) of what goes straight through a group's windows from the sun."""
-        incident = np.ascontiguousarray(suns @ self.matrices.frame(group).T)
+        """Transmittance (steps) of what goes straight through a group's windows from the sun's disc."""
+        points = [suns, *_discs(suns)]
+        return np.asarray(np.mean([self.passed(group, directions) for directions in points], axis=0))
+
+    def passed(self, group: int, directions: Doubles) -> Doubles:
+        """Transmittance (n) of what goes straight through a group's windows from directions (n, 3) outside."""
+        incident = np.ascontiguousarray(directions @ self.matrices.frame(group).T)
         facing = np.flatnonzero(incident[:, 2] < 0.0)
-        found = np.zeros(len(suns))
+        found = np.zeros(len(directions))
         found[facing] = straight_through(self.systems[group], incident[facing], self.band)
         return found
 
@@ -154,13 +188,6 @@ class SunThrough:
         share = np.where(windows >= 0, passed[np.maximum(windows, 0), step], np.where(windows == -2, 1.0, 0.0))
         found[:, up] = share * irradiance[up]
         return found
-
-    def seen_by(self, eye: Eye, suns: Doubles, irradiance: Doubles, straight: Doubles) -> SunSeen:
-        """What an eye sees of suns (steps, 3), that give `irradiance` (steps) to a plane that faces them.
-
-        `straight` (steps) is what is seen of that through windows.
-        """
-        return SunSeen(suns, straight, self.on_surfaces(eye.point[0], eye.directions, suns, irradiance))
 
     def on_surfaces(self, point: Doubles, directions: Doubles, suns: Doubles, irradiance: Doubles) -> Floats:
         """Radiance (directions, steps) of what an eye at a point (3) sees of what suns light through beams."""
@@ -178,3 +205,15 @@ class SunThrough:
         if not len(points):
             return np.ones(len(suns))
         return np.asarray(np.mean(self.matrices.outlooks(points, suns) == -2, axis=0))
+
+
+def _discs(suns: Doubles) -> list[Doubles]:
+    """Points of the disc about the middle of each sun (steps, 3), which stand for equal parts of it with the middle."""
+    # Any axis that is not the sun's own; it is never at the nadir.
+    across = np.cross(suns, [0.0, 0.0, 1.0])
+    length = np.linalg.norm(across, axis=1, keepdims=True)
+    across = np.where(length > 1e-9, across / np.maximum(length, 1e-9), [1.0, 0.0, 0.0])
+    along = np.cross(suns, across)
+    turns = 2.0 * math.pi * (np.arange(_RING) + 0.5) / _RING
+    points = [suns + math.tan(_RING_RADIUS) * (math.cos(a) * across + math.sin(a) * along) for a in turns]
+    return [p / np.linalg.norm(p, axis=1, keepdims=True) for p in points]

@@ -11,10 +11,12 @@ from clerestory._core import ClerestoryError
 from clerestory.annual.cells import SeenWindows
 from clerestory.annual.glare import rate
 from clerestory.annual.phases import Transfer, leaving
+from clerestory.annual.pictures import YearPictures
 from clerestory.annual.points import Light, Lit
 from clerestory.annual.sun import Eye
 from clerestory.glare import Settings
 from clerestory.photometry import EFFICACY
+from clerestory.picture import View
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -44,7 +46,7 @@ class Sampling:
     """Paths of a patch of the windows, into the room and out of it."""
     cells: int = 64
     """Cells along each axis of the square of the windows' directions for points."""
-    eye_cells: int = 128
+    eye_cells: int = 256
     """The same for eyes."""
     chunk: int = 256
     """Steps that are in memory at a time."""
@@ -79,6 +81,8 @@ class RoomYear:
         Point [m] and line of sight by name.
     method
         `3-phase`, or `5-phase` with the direct sun at the data set's resolution.
+    picture_px
+        Width and height of the pictures in which glare is found; without pictures by default.
     sampling
         How finely.
     settings
@@ -94,6 +98,7 @@ class RoomYear:
         eyes: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None,
         *,
         method: Method = "5-phase",
+        picture_px: int | None = None,
         sampling: Sampling | None = None,
         settings: Settings | None = None,
     ) -> None:
@@ -110,9 +115,17 @@ class RoomYear:
         self._points = nowhere if points is None else np.asarray(points, dtype=np.float64)
         given = nowhere if normals is None else np.asarray(normals, dtype=np.float64)
         self._normals = given / np.linalg.norm(given, axis=1, keepdims=True)
-        steps = self.sampling.eye_cells
-        self._eyes = {name: Eye.of(matrices, at, towards, steps) for name, (at, towards) in (eyes or {}).items()}
-        if not len(self._points) and not self._eyes:
+        given_eyes = eyes or {}
+        self._names = list(given_eyes)
+        self._eyes: dict[str, Eye] = {}
+        self._pictures: dict[str, YearPictures] = {}
+        for name, (at, towards) in given_eyes.items():
+            if picture_px is None:
+                self._eyes[name] = Eye.of(matrices, at, towards, self.sampling.eye_cells)
+            else:
+                view, size = View.fisheye(at, towards), (picture_px, picture_px)
+                self._pictures[name] = YearPictures(matrices, sky, view, size, daylight=self.sampling.daylight)
+        if not len(self._points) and not self._names:
             raise ClerestoryError("there are neither points nor eyes (give sensors or views)")
 
     def of(
@@ -147,13 +160,19 @@ class RoomYear:
             if progress is not None:
                 progress(part.stop / len(is_lit))
 
-    def _prepared(self, systems: Sequence[Bsdf], returned: Sequence[Floats]) -> tuple[Lit | None, _Eyes | None]:
+    def _prepared(
+        self, systems: Sequence[Bsdf], returned: Sequence[Floats]
+    ) -> tuple[Lit | None, _Eyes | _Pictured | None]:
         transfers = [Transfer.of(bsdf, self.matrices.basis) for bsdf in systems]
         once, whole = leaving(transfers), leaving(transfers, returned)
         points = self._of_points(systems, once, whole) if len(self._points) else None
+        if self._pictures:
+            return points, _Pictured(self, systems)
         return points, _Eyes(self, systems, transfers, once, whole) if self._eyes else None
 
-    def _part(self, part: slice, lit: NDArray[np.int64], light: Light, points: Lit | None, eyes: _Eyes | None) -> Part:
+    def _part(
+        self, part: slice, lit: NDArray[np.int64], light: Light, points: Lit | None, eyes: _Eyes | _Pictured | None
+    ) -> Part:
         """Some steps, of which only the lit ones were computed."""
         count = part.stop - part.start
         illuminance, direct = (np.zeros((count, len(self._points)), dtype=np.float32) for _ in range(2))
@@ -161,7 +180,7 @@ class RoomYear:
             illuminance[lit], direct[lit] = points.illuminance(light)
         found: dict[str, dict[str, Doubles]] = {}
         rated = eyes.rated(light) if eyes is not None and len(lit) else {}
-        for name in self._eyes:
+        for name in self._names:
             found[name] = {"illuminance": np.zeros(count)} | {index: np.full(count, np.nan) for index in INDICES}
             for index, values in rated.get(name, {}).items():
                 found[name][index][lit] = values
@@ -188,27 +207,38 @@ class _Eyes:
         at = np.concatenate([eye.point for eye in self._eyes.values()])
         towards = np.concatenate([eye.direction for eye in self._eyes.values()])
         self._seen = SeenWindows.of(matrices, systems, at, towards, sampling.eye_cells, year.sky.patches._core)
-        view = matrices.view(at, towards, samples=sampling.view)
-        self._lit = Lit(view, once, whole, self._seen)
-        # A beam of the sun is exact together with what it lights, which is one meeting more.
-        met = matrices.view(at, towards, direct_meetings=1, samples=sampling.view)
-        self._by_beams = (met.direct - view.direct) * np.concatenate([transfer.beam for transfer in transfers])
+        self._whole = whole
+        self._beams = np.concatenate([transfer.beam for transfer in transfers])[:, None]
         self._returns = (whole - once)[self._seen.sky.patch]
 
     def rated(self, light: Light) -> dict[str, dict[str, Doubles]]:
         """Illuminance [lx] and indices (steps) of each eye."""
         cells = self._seen.light(light)
-        suns = [
-            self._seen.through.seen_by(eye, light.suns, light.irradiance, straight)
-            for eye, straight in zip(self._eyes.values(), cells.straight, strict=True)
-        ]
-        lit = self._lit.irradiance(light, cells)[0] - self._by_beams @ light.directly
-        lit += np.stack([sun.from_surfaces for sun in suns])
-        illuminance = EFFICACY * np.maximum(lit, 0.0)
-        luminances = (EFFICACY * (cells.sky + cells.sun + self._returns @ light.arrives)).astype(np.float32)
+        windows = EFFICACY * (cells.sky + cells.sun + self._returns @ light.arrives)
+        from_windows = self._seen.from_cells(windows)
+        sent, by_beams = self._whole @ light.arrives, self._beams * light.directly
         found: dict[str, dict[str, Doubles]] = {}
         dark = np.full(light.steps, np.nan)
-        for (name, eye), sun, at_eye in zip(self._eyes.items(), suns, illuminance, strict=True):
-            rated = rate(eye, self._seen.numbers, luminances, sun.scaled(EFFICACY), at_eye, self._settings)
-            found[name] = {"illuminance": at_eye} | {index: rated.get(index, dark) for index in INDICES}
+        for k, (name, eye) in enumerate(self._eyes.items()):
+            # What beams throw on surfaces is spread over patches, and found again for the sun itself.
+            in_sun = self._seen.through.on_surfaces(eye.point[0], eye.directions, light.suns, light.irradiance)
+            surfaces = EFFICACY * np.maximum(eye.surfaces @ sent - eye.directly @ by_beams + in_sun, 0.0)
+            of_windows = windows[np.searchsorted(self._seen.numbers, eye.seen.number)]
+            straight = EFFICACY * cells.straight[k]
+            in_sight = np.maximum(light.suns @ eye.direction[0], 0.0)
+            illuminance = from_windows[k] + eye.irradiance(surfaces) + straight * in_sight
+            rated = rate(eye, of_windows, surfaces, straight, light.suns, illuminance, self._settings)
+            found[name] = {"illuminance": illuminance} | {index: rated.get(index, dark) for index in INDICES}
         return found
+
+
+class _Pictured:
+    """The eyes of a year with one choice of systems, by pictures."""
+
+    def __init__(self, year: RoomYear, systems: Sequence[Bsdf]) -> None:
+        self._pictures = {name: pictures.of(systems) for name, pictures in year._pictures.items()}
+        self._settings = year.settings
+
+    def rated(self, light: Light) -> dict[str, dict[str, Doubles]]:
+        """Illuminance [lx] and indices (steps) of each eye."""
+        return {name: made.rated(light, self._settings, INDICES) for name, made in self._pictures.items()}

@@ -24,6 +24,12 @@ def annual(
         Path | None,
         typer.Option("--cache", metavar="FOLDER", help="Of matrices that are kept; $CLERESTORY_CACHE by default."),
     ] = None,
+    picture: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--picture", metavar="TIME", help="Also pictures of this step (03-21 12:00), of every view; repeatable."
+        ),
+    ] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Only say what would be computed.")] = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -31,14 +37,19 @@ def annual(
 
     Matrices of the room are kept, so that another data set in the same room takes seconds.
 
-    Example: clerestory annual study.toml -o results
+    Example: clerestory annual study.toml -o results --picture "03-21 12:00"
     """
     from clerestory.annual import results
     from clerestory.annual.study import load
 
     if output is not None and output.exists() and not output.is_dir():
         raise UsageError(f"{output}: is a file (give a folder)")
+    if picture and output is None:
+        raise UsageError("--picture: there is no folder to write to (give --output FOLDER)")
     made = load(study, cache=cache)
+    steps = [made.weather.at(when) for when in picture or ()]
+    if steps and not made.views:
+        raise UsageError("--picture: the study has no views (add one to the room, or to its key views)")
     for text in made.room.warnings:
         note(f"warning: {text}")
     if dry_run:
@@ -50,6 +61,8 @@ def annual(
         note(f"warning: {text}")
     found = results.summary(made, outcomes)
     written = [] if output is None else results.write(made, outcomes, output)
+    if output is not None and steps:
+        written += results.write_pictures(made, steps, output)
     if as_json:
         print_json(
             {
