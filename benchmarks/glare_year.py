@@ -170,9 +170,9 @@ EN 17037; 95th percentile of the relative difference of E_v.
 
 What differs with the sun in view is the size of its disc, which in a picture is a number of whole pixels.
 
-The same steps path by path (`Room.glare`, standard error of E_v at most {100 * ERROR:g} %), at {MOMENTS} positions of the
-sun far from each other, half of them in view. Of {len(beside)} moments {lit[0]} have E_v within 3 % and {near[0]} the DGP
-within 0.01 without pictures; {lit[1]} and {near[1]} with pictures.
+The same steps path by path (`Room.glare`, standard error of E_v at most {100 * ERROR:g} %), at {MOMENTS} positions of
+the sun far from each other, half of them in view. Of {len(beside)} moments {lit[0]} have E_v within 3 % and {near[0]}
+the DGP within 0.01 without pictures; {lit[1]} and {near[1]} with pictures.
 
 {table(["data set", "step", "E_v [lx]", "DGP", "without pictures: E_v", "DGP", "pictures: E_v", "DGP"], beside)}
 """
