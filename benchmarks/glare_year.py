@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from clerestory import Bsdf, Model, room
+from clerestory.annual.arrivals import Arrivals
 from clerestory.annual.cache import Cache
 from clerestory.annual.matrices import RoomMatrices
 from clerestory.annual.year import RoomYear
@@ -105,7 +106,7 @@ def _ways(system: dict[str, Any], sky: SkyYear, in_view: np.ndarray, cache: Path
     eyes = {"desk": (view.point_m, view.direction)}
     found = []
     for size in (None, SIZE):
-        year = RoomYear(matrices, sky, eyes=eyes, picture_px=size)
+        year = RoomYear(Arrivals(matrices, sky), eyes=eyes, picture_px=size)
         parts = [part.eyes["desk"] for _, part in year.of({"": [made.system("window")]})]
         found.append({key: np.concatenate([part[key] for part in parts]) for key in ("illuminance", "dgp")})
     weather, suns = sky.weather, sky.suns

@@ -2,37 +2,13 @@
 
 import json
 
-import numpy as np
 import pytest
 
 from clerestory.cli import main
+from clerestory.glare import evaluate
+from clerestory.picture import Picture
+from short_study import ROOM, days
 
-ROOM = """
-[place]
-latitude = 47.3
-longitude = 11.4
-timezone = "Etc/GMT-1"
-[sky]
-kind = "overcast"
-[room]
-width_m = 3.0
-depth_m = 4.0
-height_m = 3.0
-[[room.openings]]
-wall = "south"
-width_m = 2.0
-height_m = 1.6
-sill_m = 0.9
-system = "pane"
-[systems.pane]
-glass = 0.7
-[views.desk]
-point_m = [1.5, 2.0, 1.2]
-direction = [0, -1, 0]
-[sensors.plane]
-height_m = 0.8
-spacing_m = 1.5
-"""
 STUDY = """
 name = "two panes"
 room = "room.toml"
@@ -44,23 +20,11 @@ glass = 0.7
 [data_sets.dark]
 glass = 0.1
 """
-HEAD = """place Innsbruck
-latitude 47.3
-longitude -11.4
-time_zone -15
-site_elevation 600
-weather_data_file_units 1
-"""
 
 
 @pytest.fixture
 def study(tmp_path):
-    lines = []
-    for day in (20, 21):
-        for hour in range(24):
-            high = max(0.0, np.sin(np.pi * (hour + 0.5 - 6.0) / 12.0))
-            lines.append(f"3 {day} {hour + 0.5} {800 * high * (day == 20):.0f} {150 * high:.0f}")
-    (tmp_path / "days.wea").write_text(HEAD + "\n".join(lines) + "\n")
+    (tmp_path / "days.wea").write_text(days((20, 21)))
     (tmp_path / "room.toml").write_text(ROOM)
     (tmp_path / "study.toml").write_text(STUDY)
     return tmp_path
@@ -95,10 +59,48 @@ def test_a_study(study, capsys):
     assert {path.name: path.stat().st_mtime_ns for path in (study / "cache").iterdir()} == files
 
 
+def test_glare_by_pictures(study, capsys):
+    path, out = study / "study.toml", study / "results"
+    # A sky of March at noon, and a grey one.
+    path.write_text(path.read_text().replace("paths = 1024", 'paths = 1024\nglare = "pictures"\npicture_px = 120'))
+    chosen = ("--picture", "03-20 12:00", "--picture", "03-21 12:00")
+    assert run(path, "-o", out, "--cache", study / "cache", "--json", *chosen) == 0
+    told = json.loads(capsys.readouterr().out)
+    names = [f"desk-{name}-03-{day}-1230.hdr" for name in ("clear", "dark") for day in (20, 21)]
+    assert sorted(name for name in told["written"] if name.endswith(".hdr")) == sorted(str(out / n) for n in names)
+    import xarray
+
+    with xarray.open_dataset(out / "results.nc") as stored:
+        for name in names:
+            _, data_set, _, day, _ = name.split("-")
+            step = 12 + 24 * (int(day) - 20)
+            year = stored.sel(data_set=data_set, view="desk").isel(time=step)
+            found = evaluate(Picture.read(out / name))
+            # A file of four bytes a pixel.
+            assert found.vertical_illuminance == pytest.approx(float(year.eye_illuminance), rel=0.01)
+            assert found.dgp == pytest.approx(float(year.dgp), abs=0.003)
+    assert run(path, "--cache", study / "cache", "--picture", "03-20 12:00") == 2
+    assert "--output" in capsys.readouterr().err
+
+
 def test_a_plan_computes_nothing(study, capsys):
     assert run(study / "study.toml", "--cache", study / "cache", "--dry-run") == 0
     assert "steps: 48" in capsys.readouterr().out
     assert not (study / "cache").exists()
+
+
+def test_critical_moments(study, capsys):
+    out = study / "moments"
+    assert run(study / "study.toml", "-o", out, "--cache", study / "cache", "--critical", "--json") == 0
+    found = json.loads(capsys.readouterr().out)["moments"]
+    # Dark glass has none, and neither has the grey day.
+    assert {moment["data_set"] for moment in found} == {"clear"}
+    for moment in found:
+        assert moment["time"].startswith("2001-03-20")
+        assert moment["dgp"] >= 0.35
+        assert moment["cause"] == "bright"
+    assert sum(moment["hours"] for moment in found) >= 3.0
+    assert len((out / "moments.csv").read_text().splitlines()) == 1 + len(found)
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ They hold for any system in the windows: those are black here, and what they ret
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -17,7 +18,7 @@ from clerestory.photometry import LUMINANCE
 from clerestory.trace.keys import RecipeError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -107,12 +108,23 @@ class RoomMatrices:
         """Name of the system of each group."""
         self._bare = room.bare()
         self._groups = _core.WindowGroups(self._bare, self.of_window, self.basis._core)
-        self._key = {"room": digest(*room.described()), "groups": self.of_window, "seed": seed}
+        self.key: dict[str, object] = {"room": digest(*room.described()), "groups": self.of_window, "seed": seed}
+        """What they depend on."""
 
     @staticmethod
     def systems_of(room: Room) -> list[str]:
         """Name of the system of each group of a room's windows."""
         return [system for system, _ in dict.fromkeys(_group_of(window) for window in room.windows)]
+
+    @staticmethod
+    def names_of(room: Room) -> list[str]:
+        """Names of the groups of a room's windows: their system, and where they look if it stands in several."""
+        groups = list(dict.fromkeys(_group_of(window) for window in room.windows))
+        systems = [system for system, _ in groups]
+        names = [system if systems.count(system) == 1 else f"{system} {_outlook(inward)}" for system, inward in groups]
+        return [
+            name if names.count(name) == 1 else f"{name} {names[: k + 1].count(name)}" for k, name in enumerate(names)
+        ]
 
     def __len__(self) -> int:
         """Number of groups."""
@@ -125,6 +137,13 @@ class RoomMatrices:
     def outside_of(self, group: int) -> NDArray[np.float64]:
         """Points (n, 3) [m] just before a group's windows outside; none where only sky and ground are before them."""
         return self._groups.outside_of(group, _OUTSIDE)
+
+    def sunlit_share(self, group: int, suns: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Share (n) of a group's windows that suns (n, 3) reach from outside, if they stand before it."""
+        points = self.outside_of(group)
+        if not len(points):
+            return np.ones(len(suns))
+        return np.asarray(np.mean(self.outlooks(points, suns) == -2, axis=0))
 
     def view(
         self,
@@ -178,7 +197,7 @@ class RoomMatrices:
                 parts.append(_photopic(made))
             return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
-        return Matrix(**self.cache.get("surfaces", {**self._key, **key}, compute))
+        return Matrix(**self.cache.get("surfaces", {**self.key, **key}, compute))
 
     def windows_seen(self, view: View, size_px: tuple[int, int]) -> WindowsSeen:
         """What the pixels of a picture show of windows; those at an edge in parts."""
@@ -208,7 +227,7 @@ class RoomMatrices:
             made = self._groups.apertures(np.ascontiguousarray(points), np.ascontiguousarray(normals), steps, parts)
             return dict(zip(names, made, strict=True))
 
-        return Apertures(**self.cache.get("apertures", {**self._key, **key}, compute))
+        return Apertures(**self.cache.get("apertures", {**self.key, **key}, compute))
 
     def outlooks(self, points: NDArray[np.float64], directions: NDArray[np.float64]) -> NDArray[np.int64]:
         """Group of the windows through which points (n, 3) see directions (m, 3); -1 for none, -2 where nothing is met.
@@ -236,7 +255,7 @@ class RoomMatrices:
         return groups[windows]
 
     def _of(self, kind: str, key: dict[str, object], compute: Callable[[], tuple[Floats, Floats, Floats]]) -> Matrix:
-        return Matrix(**self.cache.get(kind, {**self._key, **key}, lambda: _photopic(compute())))
+        return Matrix(**self.cache.get(kind, {**self.key, **key}, lambda: _photopic(compute())))
 
 
 def _photopic(made: tuple[Floats, Floats, Floats]) -> dict[str, Floats]:
@@ -250,3 +269,14 @@ def _group_of(window: WindowOf) -> tuple[str, tuple[float, ...]]:
     edges = window.corners[1:] - window.corners[0]
     normal = np.cross(edges[0], edges[1])
     return window.system, tuple(np.round(normal / np.linalg.norm(normal), 6).tolist())
+
+
+_WALLS = ("north", "north-east", "east", "south-east", "south", "south-west", "west", "north-west")
+
+
+def _outlook(inward: Sequence[float]) -> str:
+    """Where windows look, as a room's walls are named: north is its y axis."""
+    x, y, z = inward
+    if abs(z) > 0.9:
+        return "up" if z < 0.0 else "down"
+    return _WALLS[round(math.degrees(math.atan2(-x, -y)) / 45.0) % 8]

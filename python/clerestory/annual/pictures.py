@@ -16,7 +16,6 @@ from clerestory._core import ClerestoryError
 from clerestory.annual.cells import SkyThrough
 from clerestory.annual.glare import SOLAR_SOLID_ANGLE
 from clerestory.annual.phases import Transfer, leaving
-from clerestory.annual.points import Light
 from clerestory.annual.sun import Outgoing, SunThrough
 from clerestory.glare import evaluate
 from clerestory.picture import Picture
@@ -26,11 +25,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from clerestory.annual.matrices import RoomMatrices
+    from clerestory.annual.arrivals import Arrivals, Light
     from clerestory.bsdf import Bsdf
     from clerestory.glare import Settings
     from clerestory.picture import View
-    from clerestory.weather import SkyYear
 
     Doubles = NDArray[np.float64]
     Floats = NDArray[np.float32]
@@ -44,37 +42,34 @@ class YearPictures:
 
     Parameters
     ----------
-    matrices
-        Of the room.
-    sky
-        The skies, with as many steps as the weather has.
+    arrivals
+        What arrives at the windows of the room.
     view
         Where the eye is, and how the picture is projected.
     size_px
         Width and height.
     samples
         Paths of a pixel, for the light on surfaces; a multiple of 16.
-    daylight
-        Paths of a patch of the windows, into the room and out of it.
+    returned
+        Paths of a patch of the windows into the room.
     """
 
     def __init__(
         self,
-        matrices: RoomMatrices,
-        sky: SkyYear,
+        arrivals: Arrivals,
         view: View,
         size_px: tuple[int, int],
         *,
         samples: int = 64,
-        daylight: int = 4096,
+        returned: int = 4096,
     ) -> None:
         from scipy.sparse import csr_array
 
         width, height = size_px
-        self.matrices, self.sky, self.view, self.size_px = matrices, sky, view, size_px
+        matrices = arrivals.matrices
+        self.arrivals, self.matrices, self.view, self.size_px = arrivals, matrices, view, size_px
         groups = range(len(matrices))
-        self._daylight = [matrices.daylight(g, sky.patches, samples=daylight) for g in groups]
-        self._returned = [matrices.returned(g, samples=daylight).all for g in groups]
+        self._returned = [matrices.returned(g, samples=returned).all for g in groups]
         self._surfaces = matrices.surfaces(view, size_px, samples=samples)
         seen = matrices.windows_seen(view, size_px)
         frames = np.stack([matrices.frame(g) for g in groups])[seen.group]
@@ -105,17 +100,16 @@ class SystemPictures:
         self._whole = leaving(transfers, year._returned)
         self._beams = np.concatenate([transfer.beam for transfer in transfers])
         self._through = SunThrough(year.matrices, tuple(systems))
-        self._sky = SkyThrough.of(self._through, year._outgoing, year.sky.patches._core)
+        self._sky = SkyThrough.of(self._through, year._outgoing, year.arrivals.sky.patches._core)
         self._returns = (self._whole - leaving(transfers))[self._sky.patch]
 
     def at(self, steps: Sequence[int] | NDArray[np.int64]) -> Iterator[tuple[int, Picture]]:
         """Steps, each with its picture [W/(m² sr)], of visible watts of 179 lm; grey, and black where it is dark."""
-        numbers = np.asarray(steps, dtype=np.int64)
-        for first in range(0, len(numbers), _TOGETHER):
-            part = numbers[first : first + _TOGETHER]
-            radiance = self._radiance(Light.of(self._year.sky, self._year._daylight, part))
-            for step, values in zip(part.tolist(), radiance.T, strict=True):
-                yield step, self._picture(values)
+        width, height = self._year.size_px
+        for step in steps:
+            light = self._year.arrivals.at(slice(int(step), int(step) + 1))
+            dark = np.zeros(width * height, dtype=np.float32)
+            yield int(step), self._picture(self._radiance(light)[:, 0] if light.steps else dark)
 
     def rated(self, light: Light, settings: Settings, indices: Sequence[str]) -> dict[str, Doubles]:
         """Illuminance at the eye [lx] and indices (steps) by name, of pictures; not a number where it is dark."""
@@ -146,7 +140,7 @@ class SystemPictures:
             surfaces -= year._surfaces.direct @ (self._beams[:, None] * light.directly)
             surfaces[year._on_surfaces] += year._share[:, None] * self._sunlit(light)
         windows = self._sky.radiance(light.diffuse, light.sky) + self._returns @ light.arrives
-        windows += self._through.radiance(year._outgoing, light.suns, light.irradiance).T
+        windows += self._through.radiance(year._outgoing, light.suns, light.irradiance)
         pixels: Floats = np.maximum(surfaces, 0.0) + (year._windows @ windows).astype(np.float32)
         self._add_suns(pixels, light)
         return pixels

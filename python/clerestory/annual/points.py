@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,60 +9,14 @@ import numpy as np
 from clerestory.photometry import EFFICACY
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
+    from clerestory.annual.arrivals import Light
     from clerestory.annual.cells import CellLight, SeenWindows
     from clerestory.annual.matrices import Matrix
-    from clerestory.weather import SkyYear
 
     Doubles = NDArray[np.float64]
     Floats = NDArray[np.float32]
-
-
-@dataclass(frozen=True)
-class Light:
-    """What comes from outside at some steps."""
-
-    sky: Floats
-    """(patches of the sky, steps) radiance without the sun."""
-    diffuse: Floats
-    """(groups · patches, steps) radiance that arrives at windows, but for the sun's that has met nothing."""
-    directly: Floats
-    """(groups · patches, steps) the sun's that has met nothing, spread over patches."""
-    suns: Doubles
-    """(steps, 3) toward the sun."""
-    irradiance: Doubles
-    """(steps) of a plane that faces it."""
-
-    @classmethod
-    def of(cls, sky: SkyYear, daylight: Sequence[Matrix], steps: NDArray[np.int64]) -> Light:
-        """Of steps of a year, by the daylight matrix of each group of windows."""
-        by_sky = np.asarray(sky.columns(steps, part="sky"), dtype=np.float32)
-        by_sun = np.asarray(sky.columns(steps, part="sun"), dtype=np.float32)
-        return cls(
-            sky=by_sky,
-            diffuse=np.concatenate([d.all @ by_sky + (d.all - d.direct) @ by_sun for d in daylight]),
-            directly=np.concatenate([d.direct @ by_sun for d in daylight]),
-            suns=sky.suns.directions[steps],
-            irradiance=sky.suns.irradiance[steps],
-        )
-
-    def part(self, steps: slice) -> Light:
-        """Some of the steps."""
-        sky, diffuse, directly = (array[:, steps] for array in (self.sky, self.diffuse, self.directly))
-        return Light(sky, diffuse, directly, self.suns[steps], self.irradiance[steps])
-
-    @property
-    def steps(self) -> int:
-        """How many."""
-        return len(self.irradiance)
-
-    @property
-    def arrives(self) -> Floats:
-        """(groups · patches, steps) all that arrives at windows."""
-        return self.diffuse + self.directly
 
 
 class Lit:

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
 
+from clerestory.annual import lm83
+from clerestory.annual.arrivals import Arrivals
 from clerestory.annual.cache import Cache
+from clerestory.annual.control.stage import Stage
+from clerestory.annual.control.states import DataSet, Operated
+from clerestory.annual.control.tables import Lm83
 from clerestory.annual.matrices import RoomMatrices
-from clerestory.annual.metrics import PointYear
+from clerestory.annual.metrics import THRESHOLDS, PointYear, joined
 from clerestory.annual.pictures import YearPictures
-from clerestory.annual.year import INDICES, RoomYear, Sampling
+from clerestory.annual.year import EYE, RoomYear, Sampling
 from clerestory.picture import View
-from clerestory.room.recipe import System
 from clerestory.room.world import load as load_room
 from clerestory.room.world import system_of
 from clerestory.trace.keys import Keys, Positive, RecipeError, wrong
@@ -60,7 +65,7 @@ class Recipe(Keys):
     """A room recipe, or the name of one that comes with Clerestory."""
     weather: str | None = None
     """A weather file; without one a year is made up for the room's place, and says so."""
-    method: Literal["3-phase", "5-phase"] = "5-phase"
+    method: Literal["2-phase", "3-phase", "5-phase"] = "5-phase"
     """Whether the direct sun has the resolution of the data set."""
     glare: Literal["imageless", "pictures"] = "imageless"
     """Whether glare is found in what eyes see of windows and surfaces, or in pictures of every step."""
@@ -80,14 +85,38 @@ class Recipe(Keys):
     """Paths of a sensor or view."""
     seed: Annotated[int, Field(ge=0)] = 1
     """Of the random numbers."""
-    data_sets: dict[str, System] = Field(default_factory=dict)
-    """What stands in all windows, by name; what the room has by default."""
+    memory_gb: Annotated[float, Field(ge=0.25)] = 2.0
+    """Memory that may be used [GiB]."""
+    data_sets: dict[str, DataSet] = Field(default_factory=dict)
+    """What stands in all windows, by name, in one state or several; what the room has by default."""
 
     @model_validator(mode="after")
     def _sound(self) -> Recipe:
-        if self.views and self.method == "3-phase":
+        if self.views and self.method != "5-phase":
             raise wrong("views", "glare needs the sun at a data set's resolution (give the method 5-phase)")
         return self
+
+
+@dataclass(frozen=True)
+class Block:
+    """Points, or eyes, that are found together."""
+
+    points: slice
+    """Which points of the study."""
+    views: tuple[str, ...] = ()
+    """Names of views."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What stands in the windows at some steps."""
+
+    data_set: str
+    """Name of the data set."""
+    systems: list[Bsdf]
+    """Of every group of windows."""
+    when: NDArray[np.bool_] | None = None
+    """The steps (n); None for all."""
 
 
 @dataclass(frozen=True)
@@ -96,14 +125,18 @@ class Outcome:
 
     name: str
     """Of the data set."""
-    illuminance: NDArray[np.float32]
-    """(steps, points) [lx]."""
     metrics: dict[str, PointMetrics]
     """Of each name of sensors, over the hours that count."""
+    daylight: dict[str, PointMetrics]
+    """The same over the hours with the sun above the horizon, for EN 17037; none if the weather has none."""
+    lm83: dict[str, PointMetrics]
+    """The same over LM-83's hours, with its blinds if there are states; none if the weather has no such hours."""
     direct_hours: NDArray[np.float64]
-    """(points) hours with more than 1000 lx of direct sun [h]."""
+    """(points) of LM-83's hours those with more than 1000 lx of direct sun, in the most open state [h]."""
     eyes: dict[str, dict[str, NDArray[np.float64]]]
     """Of each view: illuminance [lx] and indices (steps)."""
+    operated: Operated | None = None
+    """How the windows stood, if they have states."""
 
 
 class Study:
@@ -120,12 +153,18 @@ class Study:
         """The weather of its year."""
         self.hours = Hours(**recipe.hours.model_dump())
         """Hours that count."""
+        if not self.hours.mask(self.weather).any():
+            raise RecipeError(f"hours: no step of the weather lies in {self.hours.words} (choose others)")
+        self.groups = RoomMatrices.names_of(self.room)
+        """Names of the groups of windows."""
         self.data_sets = self._data_sets(folder)
-        """Data sets of every group of windows, by name."""
+        """Data sets of every group of windows, by name, that stay as they are."""
+        self.stages = self._stages(folder)
+        """Of data sets with states, by name."""
         known = self.room.recipe
         self.sensors = recipe.sensors or list(known.sensors)
         """Names of sensors, in the order of the points."""
-        views = [] if recipe.method == "3-phase" else list(known.views)
+        views = [] if recipe.method != "5-phase" else list(known.views)
         self.views = views if recipe.views is None else recipe.views
         """Names of views."""
         for name in self.views:
@@ -142,50 +181,129 @@ class Study:
             raise RecipeError("sensors: the room has neither sensors nor views (add some to its recipe)")
 
     def run(self, progress: Callable[[float], object] | None = None) -> list[Outcome]:
-        """The year of every data set; matrices are taken from the cache where they are there.
+        """The year of every data set; what was found before is taken from the cache.
 
         Parameters
         ----------
         progress
             Called with the share of the year that is done.
         """
-        recipe = self.recipe
-        eyes = {name: (self.room.view(name).point_m, self.room.view(name).direction) for name in self.views}
-        year = RoomYear(
-            RoomMatrices(self.room, cache=self.cache, seed=recipe.seed),
-            self._sky(),
-            self.points,
-            self.normals,
-            eyes,
-            method=recipe.method,
-            picture_px=recipe.picture_px if recipe.glare == "pictures" else None,
-            sampling=Sampling(view=recipe.paths),
-        )
-        weights = self.hours.weights(self.weather)
-        outcomes = {name: _Collected(self, name) for name in self.data_sets}
-        for name, part in year.of(self.data_sets, progress):
-            outcomes[name].add(part, weights[part.steps])
-        return [collected.outcome() for collected in outcomes.values()]
+        collected = {name: _Collected(self, name) for name in self.names}
+        for block, name, part in self.parts(progress):
+            collected[name].add(block, part)
+        return [each.outcome() for each in collected.values()]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the data sets, in the order of the recipe."""
+        return list(self.recipe.data_sets) or list(self.data_sets)
+
+    @cached_property
+    def operated(self) -> dict[str, Operated]:
+        """How the windows stand over the year, by the name of the data set that has states.
+
+        Raises
+        ------
+        RecipeError
+            A law does not say a state at every step.
+        """
+        made = {}
+        for name, stage in self.stages.items():
+            law = self.recipe.data_sets[name].control
+            assert law is not None
+            states = law.chosen(stage, f"data_sets.{name}.control")
+            made[name] = Operated(tuple(stage.states), tuple(stage.groups), states)
+        return made
+
+    @cached_property
+    def choices(self) -> dict[str, Choice]:
+        """What stands in the windows and when, by a name of its own: each data set, or each combination of states."""
+        made = {}
+        for name in self.names:
+            if name in self.data_sets:
+                made[name] = Choice(name, self.data_sets[name])
+                continue
+            bsdfs = self.stages[name].data_sets
+            for numbers, when in self.operated[name].combinations():
+                made[f"{name} {numbers}"] = Choice(name, [bsdfs[k] for k in numbers], when)
+        return made
+
+    def parts(self, progress: Callable[[float], object] | None = None) -> Iterator[tuple[Block, str, Part]]:
+        """The years of the data sets, some points or eyes and some steps at a time."""
+        names = list(self.choices)
+        size = max(1, int(self._memory / 4.0 / (_PREPARED * len(self.matrices) ** 2)))
+        batches = [names[first : first + size] for first in range(0, len(names), size)]
+        done, count = 0, len(self.blocks) * len(batches)
+        for block in self.blocks:
+            year = self.year(block)
+            for batch in batches:
+
+                def tell(share: float, done: int = done) -> None:
+                    if progress is not None:
+                        progress((done + share) / count)
+
+                chosen = {name: self.choices[name] for name in batch}
+                systems = {name: choice.systems for name, choice in chosen.items()}
+                when = {name: choice.when for name, choice in chosen.items() if choice.when is not None}
+                for name, part in year.of(systems, tell, when=when):
+                    yield block, chosen[name].data_set, part
+                done += 1
+
+    @cached_property
+    def blocks(self) -> list[Block]:
+        """Points and eyes that are found together, so that the memory suffices."""
+        groups = len(self.matrices)
+        cells = 0 if self.recipe.method == "3-phase" else Sampling().cells ** 2
+        size = max(1, int(self._memory / 4.0 / (groups * (_SEEN * cells + _RECEIVED * len(self.matrices.basis)))))
+        count = len(self.points)
+        made = [Block(slice(first, min(first + size, count))) for first in range(0, count, size)]
+        nowhere = slice(0, 0)
+        return made + [
+            Block(nowhere, tuple(self.views[first : first + _EYES])) for first in range(0, len(self.views), _EYES)
+        ]
 
     def pictures(self, steps: Sequence[int]) -> Iterator[tuple[str, str, int, Picture]]:
         """Pictures of some steps: of which data set, view and step each is, and the fisheye of 180° itself."""
-        matrices = RoomMatrices(self.room, cache=self.cache, seed=self.recipe.seed)
-        sky, size = self._sky(), (self.recipe.picture_px, self.recipe.picture_px)
+        size = (self.recipe.picture_px, self.recipe.picture_px)
         for view in self.views:
             eye = View.fisheye(self.room.view(view).point_m, self.room.view(view).direction)
-            year = YearPictures(matrices, sky, eye, size)
-            for name, systems in self.data_sets.items():
-                for step, picture in year.of(systems).at(steps):
-                    yield name, view, step, picture
+            year = YearPictures(self._arrivals, eye, size)
+            for choice in self.choices.values():
+                asked = [step for step in steps if choice.when is None or choice.when[step]]
+                for step, picture in year.of(choice.systems).at(asked) if asked else ():
+                    yield choice.data_set, view, step, picture
 
-    def _sky(self) -> SkyYear:
-        sky = self.room.recipe.sky
-        return SkyYear(
-            self.weather,
-            self.recipe.patches,
-            ground_reflectance=sky.ground_reflectance,
-            north_deg=sky.north_deg,
+    def year(self, block: Block) -> RoomYear:
+        """The year of some points or eyes."""
+        return RoomYear(
+            self._arrivals,
+            self.points[block.points],
+            self.normals[block.points],
+            {name: (self.room.view(name).point_m, self.room.view(name).direction) for name in block.views},
+            method=self.recipe.method,
+            picture_px=self.recipe.picture_px if self.recipe.glare == "pictures" else None,
+            sampling=Sampling(view=self.recipe.paths),
         )
+
+    @cached_property
+    def matrices(self) -> RoomMatrices:
+        """Of its room."""
+        return RoomMatrices(self.room, cache=self.cache, seed=self.recipe.seed)
+
+    def sky(self, patches: str) -> SkyYear:
+        """The skies of its weather in patches."""
+        given = self.room.recipe.sky
+        ground, north = given.ground_reflectance, given.north_deg
+        return SkyYear(self.weather, patches, ground_reflectance=ground, north_deg=north)
+
+    @cached_property
+    def _arrivals(self) -> Arrivals:
+        return Arrivals(self.matrices, self.sky(self.recipe.patches), keep=int(self._memory / 8.0))
+
+    @property
+    def _memory(self) -> float:
+        """That may be used [B]."""
+        return self.recipe.memory_gb * 2.0**30
 
     def _weather(self, folder: Path) -> Weather:
         if self.recipe.weather is not None:
@@ -201,42 +319,113 @@ class Study:
         groups = RoomMatrices.systems_of(self.room)
         if not self.recipe.data_sets:
             return {"as in the room": [self.room.system(name) for name in groups]}
-        made = {name: system_of(s, f"data_sets.{name}", folder)[0] for name, s in self.recipe.data_sets.items()}
+        lasting = {name: s for name, s in self.recipe.data_sets.items() if not s.states}
+        made = {name: system_of(s, f"data_sets.{name}", folder)[0] for name, s in lasting.items()}
         return {name: [bsdf] * len(groups) for name, bsdf in made.items()}
+
+    def _stages(self, folder: Path) -> dict[str, Stage]:
+        made = {}
+        for name, given in self.recipe.data_sets.items():
+            if given.control is None:
+                continue
+            key = f"data_sets.{name}"
+            bsdfs = {s: system_of(state, f"{key}.states.{s}", folder)[0] for s, state in given.states.items()}
+            tilts = [state.tilt_deg for state in given.states.values()]
+            made[name] = Stage(
+                self.room,
+                self.weather,
+                bsdfs,
+                tilts,
+                self.groups,
+                self.hours,
+                folder,
+                lambda: self._arrivals,
+                Sampling(view=self.recipe.paths),
+            )
+            given.control.check(made[name], f"{key}.control")
+        return made
 
 
 _THRESHOLDS = (50.0, 100.0, 300.0, 500.0, 750.0)
-_SUNLIT = 1000.0
-_EYE = ("illuminance", *INDICES)
+_EYES = 16
+"""Eyes that are found together."""
+_SEEN = 64.0
+"""Memory of a cell that a point sees [B]."""
+_RECEIVED = 64.0
+"""Memory of a patch in the view matrix of a point, while it is found [B]."""
+_PREPARED = 1.6e7
+"""Memory of a data set that is prepared for eyes, by the square of the number of groups [B]."""
 
 
 class _Collected:
     """The year of a data set, as far as it is known."""
 
     def __init__(self, study: Study, name: str) -> None:
-        steps, count = len(study.weather), len(study.points)
+        steps = len(study.weather)
+        self._study, self._name = study, name
         thresholds = sorted({study.recipe.threshold_lx, *_THRESHOLDS})
-        self._name = name
-        self._places = study.places
-        self._metrics = {key: PointYear(p.stop - p.start, thresholds=thresholds) for key, p in study.places.items()}
-        self._illuminance = np.zeros((steps, count), dtype=np.float32)
-        self._in_sun = np.zeros(count)
-        self._eyes = {view: {key: np.full(steps, np.nan) for key in _EYE} for view in study.views}
+        self._counted = _Points(study.places, study.hours.weights(study.weather), thresholds)
+        self._daylight = _Points(study.places, Hours.all_daylight().weights(study.weather), THRESHOLDS)
+        self._working = Hours(*lm83.HOURS, clock=study.hours.clock).weights(study.weather)
+        self._lm83 = _Points(study.places, self._working, [lm83.AUTONOMY])
+        self._in_sun = np.zeros(len(study.points))
+        self._eyes = {view: {key: np.full(steps, np.nan) for key in EYE} for view in study.views}
 
-    def add(self, part: Part, weights: NDArray[np.float64]) -> None:
-        """Some steps, with the hours that each counts for."""
-        self._illuminance[part.steps] = part.illuminance
-        for key, place in self._places.items():
-            self._metrics[key].add(part.illuminance[:, place], weights)
-        self._in_sun += weights @ (part.direct > _SUNLIT)
+    def add(self, block: Block, part: Part) -> None:
+        """Some steps of some points or eyes."""
+        for points in (self._counted, self._daylight, self._lm83):
+            points.add(block, part)
+        self._in_sun[block.points] += self._working[part.steps] @ (part.direct > lm83.SUNLIT)
         for view, values in part.eyes.items():
             for key, series in values.items():
                 self._eyes[view][key][part.steps] = series
 
     def outcome(self) -> Outcome:
         """All of it."""
-        metrics = {key: points.result() for key, points in self._metrics.items()}
-        return Outcome(self._name, self._illuminance, metrics, self._in_sun, self._eyes)
+        by_lm83 = self._lm83.result()
+        stage = self._study.stages.get(self._name)
+        if stage is not None and by_lm83:
+            law = self._study.recipe.data_sets[self._name].control
+            for key, place in self._study.places.items():
+                points, normals = self._study.points[place], self._study.normals[place]
+                blinds, self._in_sun[place] = stage.lm83_year(points, normals, self._working)
+                if not isinstance(law, Lm83):
+                    by_lm83[key] = blinds
+        return Outcome(
+            self._name,
+            self._counted.result(),
+            self._daylight.result(),
+            by_lm83,
+            self._in_sun,
+            self._eyes,
+            None if stage is None else self._study.operated[self._name],
+        )
+
+
+class _Points:
+    """Metrics of named sensors over some hours."""
+
+    def __init__(self, places: dict[str, slice], weights: NDArray[np.float64], thresholds: Sequence[float]) -> None:
+        self._places, self._weights, self._thresholds = places, weights, thresholds
+        self._metrics: dict[str, dict[int, PointYear]] = {key: {} for key in places}
+
+    def add(self, block: Block, part: Part) -> None:
+        """Some steps of some points."""
+        first = block.points.start
+        for key, place in self._places.items():
+            start, stop = max(place.start, first), min(place.stop, block.points.stop)
+            if start >= stop:
+                continue
+            if start not in self._metrics[key]:
+                self._metrics[key][start] = PointYear(stop - start, thresholds=self._thresholds)
+            values = part.illuminance[:, start - first : stop - first]
+            self._metrics[key][start].add(values, self._weights[part.steps])
+
+    def result(self) -> dict[str, PointMetrics]:
+        """By name; none if no hour counts."""
+        if not self._weights.any():
+            return {}
+        return {key: joined([points.result() for points in found.values()]) for key, found in self._metrics.items()}
 
 
 def load(source: str | os.PathLike[str], *, cache: str | os.PathLike[str] | None = None) -> Study:

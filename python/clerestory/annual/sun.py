@@ -36,8 +36,6 @@ _RING = 6
 """Points of the sun's disc about its middle."""
 _RING_RADIUS = math.radians(SOLAR_DIAMETER_DEG / 2.0) * math.sqrt((_RING + 1) / (2.0 * _RING))
 """Of these [rad]: with the middle they have the disc's spread."""
-_PROBES = 64
-"""Directions by which it is seen whether a data set changes within the disc."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +119,7 @@ class SunThrough:
     band: str | None = None
 
     def radiance(self, outgoing: Outgoing, suns: Doubles, irradiance: Doubles) -> Floats:
-        """Radiance (steps, directions) of the windows, without beams.
+        """Radiance (directions, steps) of the windows, without beams; by the mean over the sun's disc.
 
         Parameters
         ----------
@@ -130,37 +128,24 @@ class SunThrough:
         suns, irradiance
             Unit vectors (steps, 3) toward the sun in the world, and what it gives to a plane that faces it (steps).
         """
-        found = np.zeros((len(suns), len(outgoing.group)), dtype=np.float32)
+        found = np.zeros((len(outgoing.group), len(suns)), dtype=np.float32)
+        points = np.concatenate([suns, *_discs(suns)])
+        step = np.tile(np.arange(len(suns)), _RING + 1)
         for group, bsdf in enumerate(self.systems):
-            frame = self.matrices.frame(group)
-            incident = suns @ frame.T
-            facing = np.flatnonzero((incident[:, 2] < 0.0) & (irradiance > 0.0))
+            incident = points @ self.matrices.frame(group).T
+            facing = (incident[:, 2] < 0.0) & (irradiance[step] > 0.0)
             here = np.flatnonzero(outgoing.group == group)
-            if not len(facing) or not len(here):
+            if not facing.any() or not len(here):
                 continue
-            lit = self._lit(group, suns[facing])
-            values = self._over_disc(bsdf, suns[facing], frame, outgoing.direction[here])
-            falls = -incident[facing, 2] * irradiance[facing] * lit
-            found[np.ix_(facing, here)] = values * falls[:, None]
-        return found
-
-    def _over_disc(self, bsdf: Bsdf, suns: Doubles, frame: Doubles, outgoing: Doubles) -> Doubles:
-        """Mean BSDF (steps, directions) over the sun's disc; of its middle where nothing changes within it."""
-
-        def values(directions: Doubles, towards: Doubles) -> Doubles:
-            incident = directions @ frame.T
-            found = bsdf.evaluate(incident[:, None, :], towards[None, :, :], self.band)
-            return np.asarray(np.maximum(found, 0.0) * (incident[:, 2] < 0.0)[:, None])
-
-        discs = _discs(suns)
-        found = values(suns, outgoing)
-        some = outgoing[:: max(1, len(outgoing) // _PROBES)]
-        middle = values(suns, some)
-        differs = np.any([(values(points, some) != middle).any(axis=1) for points in discs], axis=0)
-        if differs.any():
-            for points in discs:
-                found[differs] += values(points[differs], outgoing)
-            found[differs] /= len(discs) + 1
+            of = step[facing]
+            lit = np.zeros(len(suns))
+            up = np.unique(of)
+            lit[up] = self.matrices.sunlit_share(group, suns[up])
+            falls = -incident[facing, 2] * (lit * irradiance)[of] / (_RING + 1)
+            directions = np.ascontiguousarray(outgoing.direction[here])
+            found[here] = bsdf._core.gather(
+                incident[facing], falls, of, len(suns), directions, self.band, "transmission"
+            )
         return found
 
     def beams(self, group: int, suns: Doubles) -> Doubles:
@@ -198,13 +183,6 @@ class SunThrough:
             groups, factors = self.matrices.sunlit(point, directions, suns[up])
             found[:, up] = np.where(groups >= 0, factors * passed[:, up][groups, np.arange(len(up))], 0.0)
         return found
-
-    def _lit(self, group: int, suns: Doubles) -> Doubles:
-        """Share of a group's windows that each sun reaches from outside."""
-        points = self.matrices.outside_of(group)
-        if not len(points):
-            return np.ones(len(suns))
-        return np.asarray(np.mean(self.matrices.outlooks(points, suns) == -2, axis=0))
 
 
 def _discs(suns: Doubles) -> list[Doubles]:

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from clerestory._core import ClerestoryError
-from clerestory.annual.cells import SeenWindows
+from clerestory.annual.cache import digest
+from clerestory.annual.cells import SeenCells, SeenWindows
+from clerestory.annual.coefficients import Coefficients
 from clerestory.annual.glare import rate
 from clerestory.annual.phases import Transfer, leaving
 from clerestory.annual.pictures import YearPictures
-from clerestory.annual.points import Light, Lit
+from clerestory.annual.points import Lit
 from clerestory.annual.sun import Eye
 from clerestory.glare import Settings
+from clerestory.npz import mark
 from clerestory.photometry import EFFICACY
 from clerestory.picture import View
 
@@ -23,17 +28,20 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from clerestory.annual.matrices import RoomMatrices
+    from clerestory.annual.arrivals import Arrivals, Light
+    from clerestory.annual.cache import Arrays
+    from clerestory.annual.matrices import Matrix
     from clerestory.bsdf import Bsdf
-    from clerestory.weather import SkyYear
 
     Doubles = NDArray[np.float64]
     Floats = NDArray[np.float32]
 
-Method = Literal["3-phase", "5-phase"]
-METHODS: tuple[Method, ...] = ("3-phase", "5-phase")
+Method = Literal["2-phase", "3-phase", "5-phase"]
+METHODS: tuple[Method, ...] = ("2-phase", "3-phase", "5-phase")
 INDICES = ("dgp", "dgi", "ugr", "dgps")
 """Indices that are kept of each eye."""
+EYE = ("illuminance", *INDICES)
+"""All that is kept of each eye."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +50,8 @@ class Sampling:
 
     view: int = 8192
     """Paths of a point."""
-    daylight: int = 4096
-    """Paths of a patch of the windows, into the room and out of it."""
+    returned: int = 4096
+    """Paths of a patch of the windows into the room."""
     cells: int = 64
     """Cells along each axis of the square of the windows' directions for points."""
     eye_cells: int = 256
@@ -56,8 +64,8 @@ class Sampling:
 class Part:
     """Some steps of a year."""
 
-    steps: slice
-    """Which."""
+    steps: slice | NDArray[np.int64]
+    """Which: all of a part of the year, or those that were asked for."""
     illuminance: Floats
     """(steps, points) [lx]."""
     direct: Floats
@@ -65,22 +73,26 @@ class Part:
     eyes: dict[str, dict[str, Doubles]] = field(default_factory=dict)
     """Of each eye, by name: illuminance [lx] and indices (steps)."""
 
+    def of(self, rows: NDArray[np.int64]) -> Part:
+        """Some of its steps, by their place in it."""
+        eyes = {name: {key: values[rows] for key, values in found.items()} for name, found in self.eyes.items()}
+        numbers = np.arange(self.steps.start, self.steps.stop) if isinstance(self.steps, slice) else self.steps
+        return Part(numbers[rows], self.illuminance[rows], self.direct[rows], eyes)
+
 
 class RoomYear:
     """A room under the skies of a year.
 
     Parameters
     ----------
-    matrices
-        Of the room.
-    sky
-        The skies, with as many steps as the weather has.
+    arrivals
+        What arrives at the windows of a room.
     points, normals
         Where illuminance is asked for (n, 3) [m], and where these points face (n, 3); none by default.
     eyes
         Point [m] and line of sight by name.
     method
-        `3-phase`, or `5-phase` with the direct sun at the data set's resolution.
+        `2-phase` by daylight coefficients, `3-phase`, or `5-phase` with the direct sun at the data set's resolution.
     picture_px
         Width and height of the pictures in which glare is found; without pictures by default.
     sampling
@@ -91,8 +103,7 @@ class RoomYear:
 
     def __init__(
         self,
-        matrices: RoomMatrices,
-        sky: SkyYear,
+        arrivals: Arrivals,
         points: Doubles | None = None,
         normals: Doubles | None = None,
         eyes: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None,
@@ -104,34 +115,39 @@ class RoomYear:
     ) -> None:
         if method not in METHODS:
             raise ClerestoryError(f"a method {method!r} is not known (known: {', '.join(METHODS)})")
-        self.matrices = matrices
-        self.sky = sky
+        self.arrivals = arrivals
+        self.matrices = arrivals.matrices
         self.method = method
+        self.picture_px = picture_px
         self.sampling = sampling or Sampling()
         self.settings = settings or Settings()
-        if method == "3-phase" and eyes:
+        if method != "5-phase" and eyes:
             raise ClerestoryError("glare needs the sun at a data set's resolution (give the method 5-phase)")
         nowhere = np.zeros((0, 3))
         self._points = nowhere if points is None else np.asarray(points, dtype=np.float64)
         given = nowhere if normals is None else np.asarray(normals, dtype=np.float64)
         self._normals = given / np.linalg.norm(given, axis=1, keepdims=True)
-        given_eyes = eyes or {}
-        self._names = list(given_eyes)
-        self._eyes: dict[str, Eye] = {}
-        self._pictures: dict[str, YearPictures] = {}
-        for name, (at, towards) in given_eyes.items():
-            if picture_px is None:
-                self._eyes[name] = Eye.of(matrices, at, towards, self.sampling.eye_cells)
-            else:
-                view, size = View.fisheye(at, towards), (picture_px, picture_px)
-                self._pictures[name] = YearPictures(matrices, sky, view, size, daylight=self.sampling.daylight)
-        if not len(self._points) and not self._names:
+        self._lines = dict(eyes or {})
+        if not len(self._points) and not self._lines:
             raise ClerestoryError("there are neither points nor eyes (give sensors or views)")
 
+    @property
+    def chunks(self) -> list[slice]:
+        """Steps that are found together."""
+        size, count = self.sampling.chunk, len(self.arrivals)
+        return [slice(first, min(first + size, count)) for first in range(0, count, size)]
+
     def of(
-        self, data_sets: Mapping[str, Sequence[Bsdf]], progress: Callable[[float], object] | None = None
+        self,
+        data_sets: Mapping[str, Sequence[Bsdf]],
+        progress: Callable[[float], object] | None = None,
+        *,
+        when: Mapping[str, NDArray[np.bool_]] | None = None,
+        steps: Sequence[slice] | None = None,
     ) -> Iterator[tuple[str, Part]]:
         """The year with one data set after another, part by part; each part of all of them before the next.
+
+        A part that was found before is taken from the cache.
 
         Parameters
         ----------
@@ -139,60 +155,172 @@ class RoomYear:
             What stands in each group of windows, by name; beams are as they are (see `Bsdf.separate_peaks`).
         progress
             Called with the share that is done.
+        when
+            The steps (n) that are asked for of some data sets; parts have no others.
+        steps
+            Which of `chunks`; all by default.
         """
-        matrices, sampling = self.matrices, self.sampling
-        groups = range(len(matrices))
         for name, systems in data_sets.items():
-            if len(systems) != len(matrices):
+            if len(systems) != len(self.matrices):
                 raise ClerestoryError(
-                    f"{name}: {len(systems)} systems for {len(matrices)} groups of windows (give one each)"
+                    f"{name}: {len(systems)} systems for {len(self.matrices)} groups of windows (give one each)"
                 )
-        daylight = [matrices.daylight(g, self.sky.patches, samples=sampling.daylight) for g in groups]
-        returned = [matrices.returned(g, samples=sampling.daylight).all for g in groups]
-        prepared = {name: self._prepared(systems, returned) for name, systems in data_sets.items()}
-        is_lit = self.sky.is_lit
-        for first in range(0, len(is_lit), sampling.chunk):
-            part = slice(first, min(first + sampling.chunk, len(is_lit)))
-            lit = np.flatnonzero(is_lit[part])
-            light = Light.of(self.sky, daylight, first + lit)
-            for name, (points, eyes) in prepared.items():
-                yield name, self._part(part, lit, light, points, eyes)
+        marks = {name: [mark(bsdf) for bsdf in systems] for name, systems in data_sets.items()}
+        prepared: dict[str, tuple[Lit | Coefficients | None, _Eyes | _Pictured | None]] = {}
+        is_lit = self.arrivals.sky.is_lit
+        chunks = self.chunks if steps is None else steps
+        for done, part in enumerate(chunks, start=1):
+            for name, systems in data_sets.items():
+                lit = is_lit[part]
+                wanted = None if when is None else when.get(name)
+                if wanted is not None and not wanted[part].any():
+                    continue
+                asked = lit if wanted is None else lit & wanted[part]
+
+                def compute(
+                    part: slice = part,
+                    name: str = name,
+                    systems: Sequence[Bsdf] = systems,
+                    chosen: NDArray[np.bool_] = asked[lit],
+                ) -> Arrays:
+                    # Products of matrices have other last digits with another number of threads.
+                    with threadpool_limits(1, user_api="blas"):
+                        if name not in prepared:
+                            prepared[name] = self._prepared(systems)
+                        return self._computed(self.arrivals.at(part), chosen, *prepared[name])
+
+                key = self._key_of(marks[name], part, asked)
+                found = self.matrices.cache.get("part", key, compute) if asked.any() else {}
+                made = self._part(part, np.flatnonzero(asked), found)
+                yield name, made if wanted is None else made.of(np.flatnonzero(wanted[part]))
             if progress is not None:
-                progress(part.stop / len(is_lit))
+                progress(done / len(chunks))
 
-    def _prepared(
-        self, systems: Sequence[Bsdf], returned: Sequence[Floats]
-    ) -> tuple[Lit | None, _Eyes | _Pictured | None]:
+    def missing(self, systems: Sequence[Bsdf], when: NDArray[np.bool_] | None = None) -> list[slice]:
+        """Those of `chunks` that the cache does not hold for one choice of systems, and some steps (n)."""
+        marks = [mark(bsdf) for bsdf in systems]
+        is_lit, cache = self.arrivals.sky.is_lit, self.matrices.cache
+        asked = is_lit if when is None else is_lit & when
+        return [
+            part
+            for part in self.chunks
+            if asked[part].any() and not cache.path_of("part", self._key_of(marks, part, asked[part])).is_file()
+        ]
+
+    def prepare(self) -> None:
+        """Find the matrices, which hold for all systems, for the cache."""
+        _ = self.arrivals.matrix, self._returned
+        if len(self._points):
+            _ = self._view
+            if self.method != "3-phase":
+                _ = self._cells
+        if self._lines:
+            _ = self._eye_cells if self.picture_px is None else self._pictures
+
+    def _key_of(self, marks: list[str], part: slice, asked: NDArray[np.bool_]) -> dict[str, object]:
+        return self._key | {"systems": marks, "steps": [part.start, part.stop], "asked": digest(asked)}
+
+    @cached_property
+    def _key(self) -> dict[str, object]:
+        """What parts depend on, but for systems and steps."""
+        lines = [[[float(x) for x in v] for v in line] for line in self._lines.values()]
+        where = {"points": digest(self._points, self._normals), "eyes": lines}
+        how = {
+            "method": self.method,
+            "picture": self.picture_px,
+            "sampling": asdict(self.sampling),
+            "glare": asdict(self.settings),
+        }
+        return self.matrices.key | self.arrivals.key | where | how | {"basis": self.matrices.basis.name}
+
+    @cached_property
+    def _eyes(self) -> dict[str, Eye]:
+        steps = self.sampling.eye_cells
+        return {name: Eye.of(self.matrices, at, towards, steps) for name, (at, towards) in self._lines.items()}
+
+    @cached_property
+    def _returned(self) -> list[Floats]:
+        return [self.matrices.returned(g, samples=self.sampling.returned).all for g in range(len(self.matrices))]
+
+    @cached_property
+    def _cells(self) -> SeenCells:
+        return SeenCells(self.matrices, self._points, self._normals, self.sampling.cells)
+
+    @cached_property
+    def _eye_cells(self) -> SeenCells:
+        at, towards = (np.concatenate([getattr(e, key) for e in self._eyes.values()]) for key in ("point", "direction"))
+        return SeenCells(self.matrices, at, towards, self.sampling.eye_cells)
+
+    @cached_property
+    def _pictures(self) -> dict[str, YearPictures]:
+        assert self.picture_px is not None
+        size, returned = (self.picture_px, self.picture_px), self.sampling.returned
+        return {
+            name: YearPictures(self.arrivals, View.fisheye(at, towards), size, returned=returned)
+            for name, (at, towards) in self._lines.items()
+        }
+
+    def _prepared(self, systems: Sequence[Bsdf]) -> tuple[Lit | Coefficients | None, _Eyes | _Pictured | None]:
         transfers = [Transfer.of(bsdf, self.matrices.basis) for bsdf in systems]
-        once, whole = leaving(transfers), leaving(transfers, returned)
+        once, whole = leaving(transfers), leaving(transfers, self._returned)
         points = self._of_points(systems, once, whole) if len(self._points) else None
-        if self._pictures:
+        if not self._lines:
+            return points, None
+        if self.picture_px is not None:
             return points, _Pictured(self, systems)
-        return points, _Eyes(self, systems, transfers, once, whole) if self._eyes else None
+        return points, _Eyes(self, systems, transfers, once, whole)
 
-    def _part(
-        self, part: slice, lit: NDArray[np.int64], light: Light, points: Lit | None, eyes: _Eyes | _Pictured | None
-    ) -> Part:
+    def _computed(
+        self,
+        light: Light,
+        chosen: NDArray[np.bool_],
+        points: Lit | Coefficients | None,
+        eyes: _Eyes | _Pictured | None,
+    ) -> Arrays:
+        """What is found at the chosen steps of some light."""
+        made: Arrays = {}
+        only = light.only(chosen)
+        if points is not None:
+            made["illuminance"], made["direct"] = (values[chosen] for values in points.illuminance(only))
+        if eyes is not None:
+            rated = eyes.rated(only, chosen)
+            made["eyes"] = np.array([[rated[name][index] for index in EYE] for name in self._lines])
+        return made
+
+    def _part(self, part: slice, lit: NDArray[np.int64], found: Arrays) -> Part:
         """Some steps, of which only the lit ones were computed."""
         count = part.stop - part.start
         illuminance, direct = (np.zeros((count, len(self._points)), dtype=np.float32) for _ in range(2))
-        if points is not None and len(lit):
-            illuminance[lit], direct[lit] = points.illuminance(light)
-        found: dict[str, dict[str, Doubles]] = {}
-        rated = eyes.rated(light) if eyes is not None and len(lit) else {}
-        for name in self._names:
-            found[name] = {"illuminance": np.zeros(count)} | {index: np.full(count, np.nan) for index in INDICES}
-            for index, values in rated.get(name, {}).items():
-                found[name][index][lit] = values
-        return Part(part, illuminance, direct, found)
+        if "illuminance" in found:
+            illuminance[lit], direct[lit] = found["illuminance"], found["direct"]
+        eyes: dict[str, dict[str, Doubles]] = {}
+        for k, name in enumerate(self._lines):
+            eyes[name] = {"illuminance": np.zeros(count)} | {index: np.full(count, np.nan) for index in INDICES}
+            if "eyes" in found:
+                for index, values in zip(EYE, found["eyes"][k], strict=True):
+                    eyes[name][index][lit] = values
+        return Part(part, illuminance, direct, eyes)
 
-    def _of_points(self, systems: Sequence[Bsdf], once: Floats, whole: Floats) -> Lit:
+    def coefficients(self, systems: Sequence[Bsdf]) -> Coefficients:
+        """Daylight coefficients of the points with one choice of systems, one of each group."""
+        transfers = [Transfer.of(bsdf, self.matrices.basis) for bsdf in systems]
+        return self._coefficients(systems, leaving(transfers), leaving(transfers, self._returned))
+
+    def _coefficients(self, systems: Sequence[Bsdf], once: Floats, whole: Floats) -> Coefficients:
+        seen = SeenWindows(self._cells, systems, self.arrivals.sky.patches._core)
+        return Coefficients(self.arrivals, self._view, once, whole, seen)
+
+    @property
+    def _view(self) -> Matrix:
+        return self.matrices.view(self._points, self._normals, samples=self.sampling.view)
+
+    def _of_points(self, systems: Sequence[Bsdf], once: Floats, whole: Floats) -> Lit | Coefficients:
+        if self.method == "2-phase":
+            return self._coefficients(systems, once, whole)
         seen = None
         if self.method == "5-phase":
-            seen = SeenWindows.of(
-                self.matrices, systems, self._points, self._normals, self.sampling.cells, self.sky.patches._core
-            )
-        return Lit(self.matrices.view(self._points, self._normals, samples=self.sampling.view), once, whole, seen)
+            seen = SeenWindows(self._cells, systems, self.arrivals.sky.patches._core)
+        return Lit(self._view, once, whole, seen)
 
 
 class _Eyes:
@@ -201,34 +329,32 @@ class _Eyes:
     def __init__(
         self, year: RoomYear, systems: Sequence[Bsdf], transfers: Sequence[Transfer], once: Floats, whole: Floats
     ) -> None:
-        matrices, sampling = year.matrices, year.sampling
         self._eyes = year._eyes
         self._settings = year.settings
-        at = np.concatenate([eye.point for eye in self._eyes.values()])
-        towards = np.concatenate([eye.direction for eye in self._eyes.values()])
-        self._seen = SeenWindows.of(matrices, systems, at, towards, sampling.eye_cells, year.sky.patches._core)
+        cells = year._eye_cells
+        self._seen = SeenWindows(cells, systems, year.arrivals.sky.patches._core)
         self._whole = whole
         self._beams = np.concatenate([transfer.beam for transfer in transfers])[:, None]
         self._returns = (whole - once)[self._seen.sky.patch]
 
-    def rated(self, light: Light) -> dict[str, dict[str, Doubles]]:
-        """Illuminance [lx] and indices (steps) of each eye."""
+    def rated(self, light: Light, chosen: NDArray[np.bool_]) -> dict[str, dict[str, Doubles]]:
+        """Illuminance [lx] and indices (steps) of each eye at the chosen steps."""
         cells = self._seen.light(light)
         windows = EFFICACY * (cells.sky + cells.sun + self._returns @ light.arrives)
         from_windows = self._seen.from_cells(windows)
         sent, by_beams = self._whole @ light.arrives, self._beams * light.directly
         found: dict[str, dict[str, Doubles]] = {}
-        dark = np.full(light.steps, np.nan)
+        dark = np.full(np.count_nonzero(chosen), np.nan)
         for k, (name, eye) in enumerate(self._eyes.items()):
             # What beams throw on surfaces is spread over patches, and found again for the sun itself.
             in_sun = self._seen.through.on_surfaces(eye.point[0], eye.directions, light.suns, light.irradiance)
             surfaces = EFFICACY * np.maximum(eye.surfaces @ sent - eye.directly @ by_beams + in_sun, 0.0)
-            of_windows = windows[np.searchsorted(self._seen.numbers, eye.seen.number)]
+            of_windows = windows[np.searchsorted(self._seen.cells.numbers, eye.seen.number)]
             straight = EFFICACY * cells.straight[k]
             in_sight = np.maximum(light.suns @ eye.direction[0], 0.0)
             illuminance = from_windows[k] + eye.irradiance(surfaces) + straight * in_sight
-            rated = rate(eye, of_windows, surfaces, straight, light.suns, illuminance, self._settings)
-            found[name] = {"illuminance": illuminance} | {index: rated.get(index, dark) for index in INDICES}
+            rated = rate(eye, of_windows, surfaces, straight, light.suns, illuminance, chosen, self._settings)
+            found[name] = {"illuminance": illuminance[chosen]} | {index: rated.get(index, dark) for index in INDICES}
         return found
 
 
@@ -239,6 +365,7 @@ class _Pictured:
         self._pictures = {name: pictures.of(systems) for name, pictures in year._pictures.items()}
         self._settings = year.settings
 
-    def rated(self, light: Light) -> dict[str, dict[str, Doubles]]:
-        """Illuminance [lx] and indices (steps) of each eye."""
-        return {name: made.rated(light, self._settings, INDICES) for name, made in self._pictures.items()}
+    def rated(self, light: Light, chosen: NDArray[np.bool_]) -> dict[str, dict[str, Doubles]]:
+        """Illuminance [lx] and indices (steps) of each eye at the chosen steps."""
+        part = light.part(chosen)
+        return {name: made.rated(part, self._settings, INDICES) for name, made in self._pictures.items()}

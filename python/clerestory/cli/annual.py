@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from clerestory.cli.common import JsonOption, UsageError, note, print_json, progress, say, table
+from clerestory.cli.common import JsonOption, UsageError, about, note, print_json, progress, say, table
 
 if TYPE_CHECKING:
     from clerestory.annual.study import Study
@@ -30,6 +31,18 @@ def annual(
             "--picture", metavar="TIME", help="Also pictures of this step (03-21 12:00), of every view; repeatable."
         ),
     ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option("--workers", metavar="N", min=1, help="Run with so many Dask workers on this machine."),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option("--scheduler", metavar="ADDRESS", help="Run on a Dask cluster that sees the same folders."),
+    ] = None,
+    critical: Annotated[
+        bool,
+        typer.Option("--critical", help="Only find the critical moments: hours in which glare can occur, quickly."),
+    ] = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Only say what would be computed.")] = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -44,8 +57,10 @@ def annual(
 
     if output is not None and output.exists() and not output.is_dir():
         raise UsageError(f"{output}: is a file (give a folder)")
-    if picture and output is None:
-        raise UsageError("--picture: there is no folder to write to (give --output FOLDER)")
+    if workers is not None and scheduler is not None:
+        raise UsageError("--workers and --scheduler are two ways (give one)")
+    if picture and (output is None or critical):
+        raise UsageError("--picture: there are no results beside which to write (give --output FOLDER, no --critical)")
     made = load(study, cache=cache)
     steps = [made.weather.at(when) for when in picture or ()]
     if steps and not made.views:
@@ -55,7 +70,16 @@ def annual(
     if dry_run:
         _tell_plan(made, as_json=as_json)
         return
-    with progress("year") as tell:
+    if critical:
+        with about(study):
+            _tell_moments(made, output, as_json=as_json)
+        return
+    if workers is not None or scheduler is not None:
+        from clerestory.annual.cluster import cluster, spread
+
+        with cluster(scheduler=scheduler, workers=workers) as client, about(study), progress("workers") as tell:
+            spread(made, study, client, tell)
+    with about(study), progress("year") as tell:
         outcomes = made.run(tell)
     for text in made.cache.warnings:
         note(f"warning: {text}")
@@ -77,8 +101,10 @@ def annual(
     say(f"{made.recipe.name or study.stem}: {made.weather.source}; {made.hours.words}; {made.recipe.method}")
     autonomy = f"DA {made.recipe.threshold_lx:g} lx"
     for head, rows in (
-        (["data set", "sensors", autonomy, "sDA 300/50 %", "ASE 1000,250", "mean E"], _of_sensors(found)),
+        (["data set", "sensors", autonomy, "mean E", "EN 17037 provision"], _of_sensors(found)),
+        (["data set", "sensors", "sDA 300/50 %", "ASE 1000,250", "sDA is", "blinds"], _of_lm83(found)),
         (["data set", "view", "mean E_v", "DGP exceeded in 5 %", "EN 17037 glare"], _of_views(found)),
+        (["data set", "windows", "states, share of the hours"], _of_states(found)),
     ):
         if rows:
             say(table(head, rows, left=2))
@@ -90,8 +116,29 @@ def _of_sensors(found: list[dict[str, Any]]) -> list[list[str]]:
     rows = []
     for record in found:
         for name, values in record["sensors"].items():
-            shares = [f"{100.0 * values[key]:.1f} %" for key in ("daylight_autonomy", "sDA300_50", "ASE1000_250")]
-            rows.append([str(record["data_set"]), name, *shares, f"{values['mean_illuminance_lx']:.0f} lx"])
+            autonomy, mean = 100.0 * values["daylight_autonomy"], values["mean_illuminance_lx"]
+            level = "no daylight" if values["en17037_areas"] is None else values["en17037_provision"] or "below minimum"
+            rows.append([str(record["data_set"]), name, f"{autonomy:.1f} %", f"{mean:.0f} lx", str(level)])
+    return rows
+
+
+def _of_lm83(found: list[dict[str, Any]]) -> list[list[str]]:
+    rows = []
+    for record in found:
+        for name, values in record["sensors"].items():
+            if values["sDA300_50"] is None:
+                continue
+            shares = [f"{100.0 * values[key]:.1f} %" for key in ("sDA300_50", "ASE1000_250")]
+            rows.append([str(record["data_set"]), name, *shares, values["sDA_rating"], values["sDA_blinds"]])
+    return rows
+
+
+def _of_states(found: list[dict[str, Any]]) -> list[list[str]]:
+    rows = []
+    for record in found:
+        for group, shares in record.get("states", {}).items():
+            words = ", ".join(f"{name} {100.0 * share:.1f} %" for name, share in shares.items())
+            rows.append([str(record["data_set"]), group, words])
     return rows
 
 
@@ -105,6 +152,40 @@ def _of_views(found: list[dict[str, Any]]) -> list[list[str]]:
     return rows
 
 
+def _tell_moments(study: Study, output: Path | None, *, as_json: bool) -> None:
+    from clerestory.annual.critical import moments, to_csv
+    from clerestory.whole import write_whole
+
+    with progress("coarse year") as tell:
+        found = moments(study, progress=tell)
+    path = None if output is None else output / "moments.csv"
+    if path is not None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, to_csv(found).encode())
+    if as_json:
+        print_json({"moments": [asdict(moment) for moment in found], "written": [] if path is None else [str(path)]})
+        return
+    if not found:
+        say(f"no hour with a DGP of 0.35 or more; {study.hours.words}")
+    else:
+        head = ["data set", "view", "time", "DGP", "cause", "sun (altitude, azimuth)", "stands for"]
+        rows = [
+            [
+                m.data_set,
+                m.view,
+                m.time,
+                f"{m.dgp:.2f}",
+                m.cause,
+                f"{m.sun_altitude_deg:.0f}°, {m.sun_azimuth_deg:.0f}°",
+                f"{m.hours:.0f} h",
+            ]
+            for m in found
+        ]
+        say(table(head, rows, left=3))
+    if path is not None:
+        say(f"wrote {path}")
+
+
 def _tell_plan(study: Study, *, as_json: bool) -> None:
     steps, points = len(study.weather), len(study.points)
     plan = {
@@ -113,10 +194,10 @@ def _tell_plan(study: Study, *, as_json: bool) -> None:
         "steps": steps,
         "points": points,
         "views": study.views,
-        "data_sets": list(study.data_sets),
+        "data_sets": study.names,
         "method": study.recipe.method,
         "cache": str(study.cache.folder),
-        "memory_of_results_mb": round(4e-6 * steps * points * len(study.data_sets), 1),
+        "memory_of_results_mb": round(4e-6 * steps * points * len(study.names), 1),
     }
     if as_json:
         print_json(plan)

@@ -10,7 +10,7 @@ from clerestory.trace.keys import Fraction, Keys, NotNegative, Number, Positive,
 from clerestory.trace.materials import Material
 
 if TYPE_CHECKING:
-    pass
+    from typing import Self
 
 Point = Annotated[list[Number], Field(min_length=3, max_length=3)]
 """x, y, z [m]: east, north, up, unless the sky's north is turned."""
@@ -107,10 +107,13 @@ class System(Keys):
     """The file's interior is put to the exterior."""
 
     @model_validator(mode="after")
-    def _one(self) -> System:
+    def _sound(self) -> Self:
+        self._check()
+        return self
+
+    def _check(self) -> None:
         if (self.file is None) == (self.glass is None):
             raise wrong("file", "either a file or glass is asked for (give one of them)")
-        return self
 
 
 class Opening(Keys):

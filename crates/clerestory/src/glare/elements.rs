@@ -1,6 +1,6 @@
 //! Glare of a field of view whose parts stay where they are while their luminance changes, hour by hour.
 
-use super::cluster::groups;
+use super::cluster::{Neighbourhood, groups};
 use super::indices::{Field, Indices, Light, Source, place, summarise};
 use super::settings::{Settings, Threshold};
 use crate::error::{Error, Result};
@@ -11,15 +11,22 @@ use crate::picture::Camera;
 #[derive(Debug, Clone)]
 pub struct Elements {
     camera: Camera,
-    /// Towards each, in the world and in the camera's frame.
-    directions: Vec<(Vec3, [f64; 3])>,
+    /// Towards each, in the world.
+    directions: Vec<Vec3>,
+    /// The same in the camera's frame.
+    local: Vec<[f64; 3]>,
     /// (sr)
     solid_angles: Vec<f64>,
+    near: Neighbourhood,
+    /// Choices of the evaluation.
+    settings: Settings,
 }
 
 /// An element or a light.
 #[derive(Clone, Copy)]
 struct Part {
+    /// Of the element.
+    number: Option<u32>,
     world: Vec3,
     /// In the camera's frame.
     local: [f64; 3],
@@ -40,7 +47,8 @@ struct Gathered {
 
 impl Elements {
     /// Those before the eye, of directions and solid angles (sr); the others count nothing.
-    pub fn new(camera: Camera, directions: &[Vec3], solid_angles: &[f64]) -> Result<Self> {
+    pub fn new(camera: Camera, directions: &[Vec3], solid_angles: &[f64], settings: &Settings) -> Result<Self> {
+        settings.check()?;
         if directions.len() != solid_angles.len() {
             return Err(Error::Argument(format!(
                 "{} directions do not go with {} solid angles",
@@ -49,11 +57,15 @@ impl Elements {
             )));
         }
         let frame = camera.frame();
-        let local = |d: &Vec3| (d.unit(), frame.map(|axis| d.unit().dot(axis)));
+        let local = |d: &Vec3| frame.map(|axis| d.unit().dot(axis));
+        let local: Vec<[f64; 3]> = directions.iter().map(local).collect();
         Ok(Self {
             camera,
-            directions: directions.iter().map(local).collect(),
+            near: Neighbourhood::new(&local, 0.5 * settings.search_radius),
+            directions: directions.iter().map(|d| d.unit()).collect(),
+            local,
             solid_angles: solid_angles.to_vec(),
+            settings: settings.clone(),
         })
     }
 
@@ -64,41 +76,44 @@ impl Elements {
         luminances: &[f32],
         lights: &[Light],
         vertical_illuminance: f64,
-        settings: &Settings,
     ) -> Result<(Vec<Source>, Indices)> {
-        settings.check()?;
+        let settings = &self.settings;
         let Threshold::Absolute(threshold) = settings.threshold else {
             return Err(Error::Unsupported(
                 "a threshold by the mean of a picture needs a picture (give a luminance in cd/m²)".into(),
             ));
         };
         let peak = settings.peaks.unwrap_or(f64::INFINITY);
-        let elements = self.directions.iter().zip(&self.solid_angles).zip(luminances);
-        let elements = elements.map(|((&(world, local), &omega), &luminance)| Part {
-            world,
-            local,
+        let element = |(k, &luminance): (usize, &f32)| Part {
+            number: Some(k as u32),
+            world: self.directions[k],
+            local: self.local[k],
             luminance: f64::from(luminance),
-            omega,
-        });
+            omega: self.solid_angles[k],
+        };
         let frame = self.camera.frame();
-        let lights = lights.iter().map(|light| {
+        let light = |light: &Light| {
             let world = light.direction.unit();
             Part {
+                number: None,
                 world,
                 local: frame.map(|axis| world.dot(axis)),
                 luminance: light.luminance,
                 omega: light.solid_angle,
             }
-        });
-        let (mut all, peaks): (Vec<Part>, Vec<Part>) = elements
-            .chain(lights)
+        };
+        let (mut all, peaks): (Vec<Part>, Vec<Part>) = luminances
+            .iter()
+            .enumerate()
+            .map(element)
+            .chain(lights.iter().map(light))
             .filter(|part| part.luminance > threshold && part.local[2] > 0.0 && part.omega > 0.0)
             .partition(|part| part.luminance <= peak);
         let rest = all.len();
         // Sources are joined before peaks are cut out of them.
         all.extend(&peaks);
-        let mut sources = self.gather(&all, rest, settings, false);
-        sources.extend(self.gather(&peaks, peaks.len(), settings, true));
+        let mut sources = self.gather(&all, rest, false);
+        sources.extend(self.gather(&peaks, peaks.len(), true));
         let field = Field {
             vertical_illuminance,
             mean_luminance: f64::NAN,
@@ -109,9 +124,14 @@ impl Elements {
     }
 
     /// Sources of the first `counted` of the parts, joined over all of them.
-    fn gather(&self, parts: &[Part], counted: usize, settings: &Settings, peak: bool) -> Vec<Source> {
-        let directions: Vec<[f64; 3]> = parts.iter().map(|part| part.local).collect();
-        let numbers = groups(&directions, 0.5 * settings.search_radius);
+    fn gather(&self, parts: &[Part], counted: usize, peak: bool) -> Vec<Source> {
+        let elements: Option<Vec<u32>> = parts.iter().map(|part| part.number).collect();
+        let numbers = if let Some(elements) = elements {
+            self.near.groups(&self.local, &elements)
+        } else {
+            let directions: Vec<[f64; 3]> = parts.iter().map(|part| part.local).collect();
+            groups(&directions, 0.5 * self.settings.search_radius)
+        };
         let mut gathered = vec![Gathered::default(); numbers.iter().max().map_or(0, |n| *n as usize + 1)];
         for (part, &number) in parts[..counted].iter().zip(&numbers) {
             let sum = &mut gathered[number as usize];
@@ -133,13 +153,13 @@ impl Elements {
                 // The centre of gravity of a large source is that of the picture, as for one of pixels.
                 let [x, y] = sum.place.map(|at| at / sum.flux);
                 let local = self.camera.local(x, y).unwrap_or([0.0, 0.0, 1.0]);
-                self.source(self.camera.world(local), local, settings, sum, peak)
+                self.source(self.camera.world(local), local, sum, peak)
             })
             .collect()
     }
 
-    fn source(&self, direction: Vec3, local: [f64; 3], settings: &Settings, sum: &Gathered, peak: bool) -> Source {
-        let (sigma, position_index) = place(&self.camera, settings, local);
+    fn source(&self, direction: Vec3, local: [f64; 3], sum: &Gathered, peak: bool) -> Source {
+        let (sigma, position_index) = place(&self.camera, &self.settings, local);
         Source {
             direction,
             luminance: sum.flux / sum.omega,
@@ -184,11 +204,9 @@ mod tests {
             .collect();
         let omegas: Vec<f64> = pixels.iter().map(|&k| lens.solid_angles()[k]).collect();
         let luminances: Vec<f32> = pixels.iter().map(|&k| picture[k]).collect();
-        let elements = Elements::new(camera, &directions, &omegas).unwrap();
+        let elements = Elements::new(camera, &directions, &omegas, &Settings::default()).unwrap();
         let illuminance = expected.indices.vertical_illuminance;
-        let (sources, found) = elements
-            .rate(&luminances, &[], illuminance, &Settings::default())
-            .unwrap();
+        let (sources, found) = elements.rate(&luminances, &[], illuminance).unwrap();
         assert_eq!(sources.len(), expected.sources.len());
         for (a, b) in [
             (found.dgp, expected.indices.dgp),
@@ -206,9 +224,9 @@ mod tests {
             luminance: 1e8,
             solid_angle: 6.8e-5,
         };
-        let elements = Elements::new(camera(), &[], &[]).unwrap();
         let settings = Settings::default();
-        let (sources, found) = elements.rate(&[], &[sun], 9000.0, &settings).unwrap();
+        let elements = Elements::new(camera(), &[], &[], &settings).unwrap();
+        let (sources, found) = elements.rate(&[], &[sun], 9000.0).unwrap();
         let field = Field {
             vertical_illuminance: 9000.0,
             mean_luminance: f64::NAN,
@@ -219,16 +237,17 @@ mod tests {
         assert_eq!((found.dgp, found.dgi), (expected.dgp, expected.dgi));
         // What is near and as bright is one source with it, as a picture's pixels would be.
         let around = Vec3::new(0.35, 0.8, 0.4);
-        let elements = Elements::new(camera(), &[around], &[1e-3]).unwrap();
-        let (joined, _) = elements.rate(&[1e5], &[sun], 9000.0, &settings).unwrap();
+        let elements = Elements::new(camera(), &[around], &[1e-3], &settings).unwrap();
+        let (joined, _) = elements.rate(&[1e5], &[sun], 9000.0).unwrap();
         assert_eq!(joined.len(), 1);
         assert!((joined[0].solid_angle - 1e-3 - sun.solid_angle).abs() < 1e-12);
-        let (apart, _) = elements.rate(&[4e4], &[sun], 9000.0, &settings).unwrap();
+        let (apart, _) = elements.rate(&[4e4], &[sun], 9000.0).unwrap();
         assert_eq!(apart.len(), 2);
         let mean = Settings {
             threshold: Threshold::TimesMean(5.0),
             ..settings
         };
-        assert!(elements.rate(&[], &[sun], 9000.0, &mean).is_err());
+        let elements = Elements::new(camera(), &[], &[], &mean).unwrap();
+        assert!(elements.rate(&[], &[sun], 9000.0).is_err());
     }
 }
