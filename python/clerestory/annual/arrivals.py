@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -13,6 +14,7 @@ from clerestory.annual.cache import digest
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from clerestory.annual.facade import Facade
     from clerestory.annual.matrices import RoomMatrices
     from clerestory.weather import SkyYear
 
@@ -78,6 +80,8 @@ class Arrivals:
         Paths of a patch of the windows.
     value
         Whether patches of the sky have its mean, or the value at their centre, which is quicker.
+    facade
+        Through which daylight comes to the windows, for the six-phase method.
     keep
         Light that is kept for the next who asks [B].
     """
@@ -89,12 +93,14 @@ class Arrivals:
         *,
         samples: int = 4096,
         value: Literal["mean", "centre"] = "mean",
+        facade: Facade | None = None,
         keep: int = 1 << 28,
     ) -> None:
         self.matrices = matrices
         self.sky = sky
         self.samples = samples
         self.value: Literal["mean", "centre"] = value
+        self._facade = facade
         self._keep = keep
         self._kept: OrderedDict[tuple[int, int], Light] = OrderedDict()
 
@@ -111,7 +117,8 @@ class Arrivals:
         series = (weather.times.astype(np.int64), weather.interval, weather.direct, weather.diffuse, dew, years)
         where = [weather.place.latitude, weather.place.longitude, weather.time_zone, weather.illuminances]
         choices = [sky.basis, sky.preset, sky.quantity, sky.ground_reflectance, sky.north_deg, sky.method, self.value]
-        return {"sky": digest(*series, where, choices), "daylight": self.samples}
+        facade = None if self._facade is None else self._facade.key
+        return {"sky": digest(*series, where, choices), "daylight": self.samples, "facade": facade}
 
     def at(self, steps: slice) -> Light:
         """The light of those of some steps that have a sky."""
@@ -123,11 +130,12 @@ class Arrivals:
         self._kept.move_to_end(key)
         return self._kept[key]
 
-    @property
+    @cached_property
     def matrix(self) -> tuple[Floats, Floats]:
         """Radiance at groups' patches by the sky's (groups · patches, patches of the sky): all, and the direct."""
         groups = range(len(self.matrices))
-        found = [self.matrices.daylight(g, self.sky.patches, samples=self.samples) for g in groups]
+        source = self.matrices if self._facade is None else self._facade
+        found = [source.daylight(g, self.sky.patches, samples=self.samples) for g in groups]
         every: Floats = np.concatenate([d.all for d in found])
         return every, np.concatenate([d.direct for d in found])
 

@@ -94,7 +94,7 @@ def moments(
     """
     if not study.views:
         raise RecipeError("views: critical moments are of views, and there are none (add some to the room)")
-    arrivals = Arrivals(study.matrices, study.sky(_PATCHES), samples=_PATHS, value="centre")
+    arrivals = Arrivals(study.matrices, study.sky(_PATCHES), samples=_PATHS, value="centre", facade=study.facade)
     eyes = {name: (study.room.view(name).point_m, study.room.view(name).direction) for name in study.views}
     year = RoomYear(arrivals, eyes=eyes, sampling=_COARSE)
     steps = len(study.weather)

@@ -100,7 +100,7 @@ class RoomMatrices:
         self.seed = seed
         if not room.windows:
             raise RecipeError("the room has no window, so there are no matrices (add one)")
-        keys = [_group_of(window) for window in room.windows]
+        keys = [group_of(window) for window in room.windows]
         names = list(dict.fromkeys(keys))
         self.of_window = [names.index(key) for key in keys]
         """Group of each window."""
@@ -114,12 +114,12 @@ class RoomMatrices:
     @staticmethod
     def systems_of(room: Room) -> list[str]:
         """Name of the system of each group of a room's windows."""
-        return [system for system, _ in dict.fromkeys(_group_of(window) for window in room.windows)]
+        return [system for system, _ in dict.fromkeys(group_of(window) for window in room.windows)]
 
     @staticmethod
     def names_of(room: Room) -> list[str]:
         """Names of the groups of a room's windows: their system, and where they look if it stands in several."""
-        groups = list(dict.fromkeys(_group_of(window) for window in room.windows))
+        groups = list(dict.fromkeys(group_of(window) for window in room.windows))
         systems = [system for system, _ in groups]
         names = [system if systems.count(system) == 1 else f"{system} {_outlook(inward)}" for system, inward in groups]
         return [
@@ -194,7 +194,7 @@ class RoomMatrices:
                         progress((first + part * (last - first)) / (width * height))
 
                 made = self._groups.picture_matrix(view._core, width, height, first, last, samples, self.seed, share)
-                parts.append(_photopic(made))
+                parts.append(photopic(made))
             return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
         return Matrix(**self.cache.get("surfaces", {**self.key, **key}, compute))
@@ -255,16 +255,17 @@ class RoomMatrices:
         return groups[windows]
 
     def _of(self, kind: str, key: dict[str, object], compute: Callable[[], tuple[Floats, Floats, Floats]]) -> Matrix:
-        return Matrix(**self.cache.get(kind, {**self.key, **key}, lambda: _photopic(compute())))
+        return Matrix(**self.cache.get(kind, {**self.key, **key}, lambda: photopic(compute())))
 
 
-def _photopic(made: tuple[Floats, Floats, Floats]) -> dict[str, Floats]:
+def photopic(made: tuple[Floats, Floats, Floats]) -> dict[str, Floats]:
+    """Arrays of a `Matrix` from those of Radiance's channels."""
     weights = np.asarray(LUMINANCE, dtype=np.float32)
     every, direct, error = made
     return {"all": every @ weights, "direct": direct @ weights, "standard_error": error}
 
 
-def _group_of(window: WindowOf) -> tuple[str, tuple[float, ...]]:
+def group_of(window: WindowOf) -> tuple[str, tuple[float, ...]]:
     """What windows of a group share: their system, and where they look."""
     edges = window.corners[1:] - window.corners[0]
     normal = np.cross(edges[0], edges[1])

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     import xarray
     from numpy.typing import NDArray
 
-    from clerestory.annual.study import Outcome, Study
+    from clerestory.annual.outcome import Outcome
+    from clerestory.annual.study import Study
 
 
 _PLAN = 4

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from clerestory.annual import lm83
 from clerestory.annual.arrivals import Arrivals
 from clerestory.annual.cache import Cache
 from clerestory.annual.control.stage import Stage
 from clerestory.annual.control.states import DataSet, Operated
-from clerestory.annual.control.tables import Lm83
+from clerestory.annual.control.tables import Schedule
+from clerestory.annual.facade import Facade
 from clerestory.annual.matrices import RoomMatrices
-from clerestory.annual.metrics import THRESHOLDS, PointYear, joined
+from clerestory.annual.outcome import Collected
 from clerestory.annual.pictures import YearPictures
-from clerestory.annual.year import EYE, RoomYear, Sampling
+from clerestory.annual.year import RoomYear, Sampling
 from clerestory.picture import View
 from clerestory.room.world import load as load_room
 from clerestory.room.world import system_of
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from clerestory.annual.metrics import PointMetrics
+    from clerestory.annual.outcome import Outcome
     from clerestory.annual.year import Part
     from clerestory.bsdf import Bsdf
     from clerestory.picture import Picture
@@ -65,7 +65,7 @@ class Recipe(Keys):
     """A room recipe, or the name of one that comes with Clerestory."""
     weather: str | None = None
     """A weather file; without one a year is made up for the room's place, and says so."""
-    method: Literal["2-phase", "3-phase", "5-phase"] = "5-phase"
+    method: Literal["2-phase", "3-phase", "5-phase", "6-phase"] = "5-phase"
     """Whether the direct sun has the resolution of the data set."""
     glare: Literal["imageless", "pictures"] = "imageless"
     """Whether glare is found in what eyes see of windows and surfaces, or in pictures of every step."""
@@ -92,7 +92,7 @@ class Recipe(Keys):
 
     @model_validator(mode="after")
     def _sound(self) -> Recipe:
-        if self.views and self.method != "5-phase":
+        if self.views and self.method in ("2-phase", "3-phase"):
             raise wrong("views", "glare needs the sun at a data set's resolution (give the method 5-phase)")
         return self
 
@@ -117,26 +117,6 @@ class Choice:
     """Of every group of windows."""
     when: NDArray[np.bool_] | None = None
     """The steps (n); None for all."""
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """The year of one data set."""
-
-    name: str
-    """Of the data set."""
-    metrics: dict[str, PointMetrics]
-    """Of each name of sensors, over the hours that count."""
-    daylight: dict[str, PointMetrics]
-    """The same over the hours with the sun above the horizon, for EN 17037; none if the weather has none."""
-    lm83: dict[str, PointMetrics]
-    """The same over LM-83's hours, with its blinds if there are states; none if the weather has no such hours."""
-    direct_hours: NDArray[np.float64]
-    """(points) of LM-83's hours those with more than 1000 lx of direct sun, in the most open state [h]."""
-    eyes: dict[str, dict[str, NDArray[np.float64]]]
-    """Of each view: illuminance [lx] and indices (steps)."""
-    operated: Operated | None = None
-    """How the windows stood, if they have states."""
 
 
 class Study:
@@ -164,7 +144,7 @@ class Study:
         known = self.room.recipe
         self.sensors = recipe.sensors or list(known.sensors)
         """Names of sensors, in the order of the points."""
-        views = [] if recipe.method != "5-phase" else list(known.views)
+        views = [] if recipe.method in ("2-phase", "3-phase") else list(known.views)
         self.views = views if recipe.views is None else recipe.views
         """Names of views."""
         for name in self.views:
@@ -188,10 +168,19 @@ class Study:
         progress
             Called with the share of the year that is done.
         """
-        collected = {name: _Collected(self, name) for name in self.names}
+        collected = {name: Collected(self, name) for name in self.names}
         for block, name, part in self.parts(progress):
             collected[name].add(block, part)
         return [each.outcome() for each in collected.values()]
+
+    @cached_property
+    def warnings(self) -> list[str]:
+        """What is doubtful about the room, and about the places of sensors and eyes."""
+        return [
+            *self.room.warnings,
+            *(text for name in self.sensors for text in self.room.doubts(sensors=name)),
+            *(text for name in self.views for text in self.room.doubts(view=name)),
+        ]
 
     @property
     def names(self) -> list[str]:
@@ -207,13 +196,19 @@ class Study:
         RecipeError
             A law does not say a state at every step.
         """
-        made = {}
-        for name, stage in self.stages.items():
-            law = self.recipe.data_sets[name].control
-            assert law is not None
-            states = law.chosen(stage, f"data_sets.{name}.control")
-            made[name] = Operated(tuple(stage.states), tuple(stage.groups), states)
-        return made
+        return {name: self._operated(name) for name in self.stages}
+
+    def _operated(self, name: str) -> Operated:
+        law, stage = self.recipe.data_sets[name].control, self.stages[name]
+        assert law is not None
+        place = f"data_sets.{name}.control"
+        if isinstance(law, Schedule):
+            states = law.chosen(stage, place)
+        else:
+            # All who work on a study find the same: the last digits of light can depend on the machine.
+            key = {**stage.key, "law": law.model_dump()}
+            states = self.cache.get("states", key, lambda: {"states": law.chosen(stage, place)})["states"]
+        return Operated(tuple(stage.states), tuple(stage.groups), states)
 
     @cached_property
     def choices(self) -> dict[str, Choice]:
@@ -280,7 +275,8 @@ class Study:
             self.points[block.points],
             self.normals[block.points],
             {name: (self.room.view(name).point_m, self.room.view(name).direction) for name in block.views},
-            method=self.recipe.method,
+            # The sixth phase is in what arrives.
+            method="5-phase" if self.recipe.method == "6-phase" else self.recipe.method,
             picture_px=self.recipe.picture_px if self.recipe.glare == "pictures" else None,
             sampling=Sampling(view=self.recipe.paths),
         )
@@ -290,6 +286,11 @@ class Study:
         """Of its room."""
         return RoomMatrices(self.room, cache=self.cache, seed=self.recipe.seed)
 
+    @cached_property
+    def facade(self) -> Facade | None:
+        """What stands before its windows, for the six-phase method."""
+        return Facade(self.matrices) if self.recipe.method == "6-phase" else None
+
     def sky(self, patches: str) -> SkyYear:
         """The skies of its weather in patches."""
         given = self.room.recipe.sky
@@ -298,7 +299,8 @@ class Study:
 
     @cached_property
     def _arrivals(self) -> Arrivals:
-        return Arrivals(self.matrices, self.sky(self.recipe.patches), keep=int(self._memory / 8.0))
+        sky, keep = self.sky(self.recipe.patches), int(self._memory / 8.0)
+        return Arrivals(self.matrices, sky, facade=self.facade, keep=keep)
 
     @property
     def _memory(self) -> float:
@@ -313,7 +315,8 @@ class Study:
             raise RecipeError("weather: there is no file, and the room has no place to make one up for (give a file)")
         from clerestory.sky import Place
 
-        return synthetic_year(Place(place.latitude, place.longitude, place.timezone))
+        there = Place(place.latitude, place.longitude, place.timezone)
+        return synthetic_year(replace(there, timezone=there.standard_hours(_TYPICAL)))
 
     def _data_sets(self, folder: Path) -> dict[str, list[Bsdf]]:
         groups = RoomMatrices.systems_of(self.room)
@@ -346,7 +349,8 @@ class Study:
         return made
 
 
-_THRESHOLDS = (50.0, 100.0, 300.0, 500.0, 750.0)
+_TYPICAL = 2001
+"""Year whose clock counts where the weather is made up."""
 _EYES = 16
 """Eyes that are found together."""
 _SEEN = 64.0
@@ -355,77 +359,6 @@ _RECEIVED = 64.0
 """Memory of a patch in the view matrix of a point, while it is found [B]."""
 _PREPARED = 1.6e7
 """Memory of a data set that is prepared for eyes, by the square of the number of groups [B]."""
-
-
-class _Collected:
-    """The year of a data set, as far as it is known."""
-
-    def __init__(self, study: Study, name: str) -> None:
-        steps = len(study.weather)
-        self._study, self._name = study, name
-        thresholds = sorted({study.recipe.threshold_lx, *_THRESHOLDS})
-        self._counted = _Points(study.places, study.hours.weights(study.weather), thresholds)
-        self._daylight = _Points(study.places, Hours.all_daylight().weights(study.weather), THRESHOLDS)
-        self._working = Hours(*lm83.HOURS, clock=study.hours.clock).weights(study.weather)
-        self._lm83 = _Points(study.places, self._working, [lm83.AUTONOMY])
-        self._in_sun = np.zeros(len(study.points))
-        self._eyes = {view: {key: np.full(steps, np.nan) for key in EYE} for view in study.views}
-
-    def add(self, block: Block, part: Part) -> None:
-        """Some steps of some points or eyes."""
-        for points in (self._counted, self._daylight, self._lm83):
-            points.add(block, part)
-        self._in_sun[block.points] += self._working[part.steps] @ (part.direct > lm83.SUNLIT)
-        for view, values in part.eyes.items():
-            for key, series in values.items():
-                self._eyes[view][key][part.steps] = series
-
-    def outcome(self) -> Outcome:
-        """All of it."""
-        by_lm83 = self._lm83.result()
-        stage = self._study.stages.get(self._name)
-        if stage is not None and by_lm83:
-            law = self._study.recipe.data_sets[self._name].control
-            for key, place in self._study.places.items():
-                points, normals = self._study.points[place], self._study.normals[place]
-                blinds, self._in_sun[place] = stage.lm83_year(points, normals, self._working)
-                if not isinstance(law, Lm83):
-                    by_lm83[key] = blinds
-        return Outcome(
-            self._name,
-            self._counted.result(),
-            self._daylight.result(),
-            by_lm83,
-            self._in_sun,
-            self._eyes,
-            None if stage is None else self._study.operated[self._name],
-        )
-
-
-class _Points:
-    """Metrics of named sensors over some hours."""
-
-    def __init__(self, places: dict[str, slice], weights: NDArray[np.float64], thresholds: Sequence[float]) -> None:
-        self._places, self._weights, self._thresholds = places, weights, thresholds
-        self._metrics: dict[str, dict[int, PointYear]] = {key: {} for key in places}
-
-    def add(self, block: Block, part: Part) -> None:
-        """Some steps of some points."""
-        first = block.points.start
-        for key, place in self._places.items():
-            start, stop = max(place.start, first), min(place.stop, block.points.stop)
-            if start >= stop:
-                continue
-            if start not in self._metrics[key]:
-                self._metrics[key][start] = PointYear(stop - start, thresholds=self._thresholds)
-            values = part.illuminance[:, start - first : stop - first]
-            self._metrics[key][start].add(values, self._weights[part.steps])
-
-    def result(self) -> dict[str, PointMetrics]:
-        """By name; none if no hour counts."""
-        if not self._weights.any():
-            return {}
-        return {key: joined([points.result() for points in found.values()]) for key, found in self._metrics.items()}
 
 
 def load(source: str | os.PathLike[str], *, cache: str | os.PathLike[str] | None = None) -> Study:

@@ -65,7 +65,7 @@ def annual(
     steps = [made.weather.at(when) for when in picture or ()]
     if steps and not made.views:
         raise UsageError("--picture: the study has no views (add one to the room, or to its key views)")
-    for text in made.room.warnings:
+    for text in made.warnings:
         note(f"warning: {text}")
     if dry_run:
         _tell_plan(made, as_json=as_json)
@@ -93,6 +93,7 @@ def annual(
                 "weather": made.weather.source,
                 "hours": made.hours.words,
                 "method": made.recipe.method,
+                "warnings": [*made.warnings, *made.cache.warnings],
                 "data_sets": found,
                 "written": [str(path) for path in written],
             }
@@ -187,20 +188,31 @@ def _tell_moments(study: Study, output: Path | None, *, as_json: bool) -> None:
 
 
 def _tell_plan(study: Study, *, as_json: bool) -> None:
-    steps, points = len(study.weather), len(study.points)
-    plan = {
+    from clerestory.annual.plan import plan
+
+    made = plan(study)
+    control = {name: law.control.kind for name, law in study.recipe.data_sets.items() if law.control is not None}
+    told: dict[str, Any] = {
         "room": study.room.name,
         "weather": study.weather.source,
-        "steps": steps,
-        "points": points,
+        "steps": len(study.weather),
+        "points": len(study.points),
         "views": study.views,
+        "windows": study.groups,
         "data_sets": study.names,
+        "control": control,
         "method": study.recipe.method,
+        "memory_gb": study.recipe.memory_gb,
         "cache": str(study.cache.folder),
-        "memory_of_results_mb": round(4e-6 * steps * points * len(study.names), 1),
+        "parts": made.parts,
+        "parts_missing": made.missing,
+        "seconds_about": round(made.seconds, 1),
+        "disk_mb_about": round(made.disk_mb, 1),
     }
     if as_json:
-        print_json(plan)
+        print_json(told)
         return
-    for key, value in plan.items():
+    for key, value in told.items():
+        if isinstance(value, dict):
+            value = [f"{name} by {law}" for name, law in value.items()] or ["none"]
         say(f"{key.replace('_', ' ')}: {'; '.join(value) if isinstance(value, list) else value}")

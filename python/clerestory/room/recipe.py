@@ -176,6 +176,15 @@ class Geometry(Keys):
     """Of its lengths."""
     material: str | Fraction | None = None
     """For surfaces whose name is not among the materials."""
+    facade: bool = False
+    """Whether they stand between the windows and the ports, for the six-phase method."""
+
+
+class Port(Keys):
+    """An opening before a façade, through which daylight comes to what stands there and to the windows."""
+
+    corners_m: Annotated[list[Point], Field(min_length=3)]
+    """Corners [m], counter-clockwise as seen from the façade."""
 
 
 class Window(Keys):
@@ -255,6 +264,8 @@ class Recipe(Keys):
     """Window polygons by name."""
     systems: dict[str, System] = Field(default_factory=dict)
     """Window systems by name."""
+    ports: dict[str, Port] = Field(default_factory=dict)
+    """Openings before the façade, for the six-phase method, by name."""
     lights: dict[str, Light] = Field(default_factory=dict)
     """Polygons that shine, by name."""
     materials: dict[str, Material] = Field(default_factory=dict)

@@ -40,8 +40,8 @@ _FUNCTIONS: dict[str, tuple[Callable[..., Any], int]] = {
     "min": (np.minimum, 2),
     "max": (np.maximum, 2),
 }
-_MOST = 100
-"""Parts of an expression: deeper ones would be more than anybody reads."""
+_MOST = 1000
+"""Parts of an expression; more are more than anybody reads, and than is safe to walk through."""
 
 
 class Expression:
@@ -75,7 +75,7 @@ class Expression:
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
             what = error.msg if isinstance(error, SyntaxError) else "it cannot be read"
             raise ClerestoryError(f"{text!r} is no condition: {what} (write such as 'hour > 12')") from None
-        if sum(1 for _ in ast.walk(self._body)) > 10 * _MOST:
+        if sum(1 for _ in ast.walk(self._body)) > _MOST:
             raise ClerestoryError(f"a condition of {len(text)} characters is too long (divide it among rules)")
         self._check(self._body)
 
@@ -117,7 +117,7 @@ class Expression:
                 raise self._wrong(node, "a text stands only beside == and != or in a call (compare it with a name)")
             case ast.Name(id=name):
                 if name not in self._known:
-                    raise self._wrong(node, f"there is no such name ({suggestion(name, sorted(self._known))})")
+                    raise self._wrong(node, f"no such name ({suggestion(name, sorted(self._known))})")
                 self.names.add(name)
             case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
                 self._check_call(node, name, args)

@@ -164,7 +164,9 @@ def _columns(path: Path) -> tuple[dict[str, list[str]], list[str]]:
             raise ClerestoryError(f"column {name!r} is there twice (leave one out)")
     for line, row in rows[1:]:
         if len(row) != len(names):
-            raise ClerestoryError(f"line {line}: {counted(len(row), 'cell')} for {len(names)} columns (correct it)")
+            raise ClerestoryError(
+                f"line {line}: {counted(len(row), 'cell')} for {counted(len(names), 'column')} (correct it)"
+            )
     columns = {name: [row[k].strip() for _, row in rows[1:]] for k, name in enumerate(names)}
     return columns, [f"line {line}" for line, _ in rows[1:]]
 

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from clerestory.annual import lm83
+from clerestory.annual.cache import digest
 from clerestory.annual.control.outdoors import outdoors
 from clerestory.annual.control.preview import Preview
 from clerestory.annual.glare import SOLAR_SOLID_ANGLE
 from clerestory.annual.metrics import PointYear
+from clerestory.npz import mark
 from clerestory.picture import View
 
 if TYPE_CHECKING:
@@ -84,6 +87,22 @@ class Stage:
         self._arrivals = arrivals
         self._sampling = sampling
 
+    @property
+    def key(self) -> dict[str, object]:
+        """All that laws can depend on, but for files."""
+        arrivals, recipe = self._arrivals(), self.room.recipe
+        sensors = [self.room.sensors(name) for name in recipe.sensors]
+        return {
+            **arrivals.matrices.key,
+            **arrivals.key,
+            "states": [[name, mark(bsdf)] for name, bsdf in zip(self.states, self.data_sets, strict=True)],
+            "tilts": self.tilts_deg,
+            "sensors": [list(recipe.sensors), digest(*(array for pair in sensors for array in pair))],
+            "views": {name: view.model_dump() for name, view in recipe.views.items()},
+            "times": digest(self.times.astype(np.int64)),
+            "sampling": asdict(self._sampling),
+        }
+
     @cached_property
     def outdoors(self) -> Outdoors:
         """What is known outdoors."""
@@ -141,7 +160,8 @@ class Stage:
         """
         preview = self._preview(points, normals)
         metrics, in_sun = PointYear(len(points), thresholds=[lm83.AUTONOMY]), lm83.SunYear(len(points))
-        metrics.add(np.zeros((len(hours), len(points))), np.where(self._arrivals().sky.is_lit, 0.0, hours))
+        dark = np.where(self._arrivals().sky.is_lit, 0.0, hours).sum()
+        metrics.add(np.zeros((1, len(points))), [dark])
         for steps, light in self._light():
             every, direct = preview.illuminance(light), preview.direct(light)
             chosen = _lm83_states(direct)[:, None, None, :]

@@ -54,6 +54,12 @@ class Times(Keys):
     groups: list[str] = Field(default_factory=list)
     """Groups of windows; all by default."""
 
+    @model_validator(mode="after")
+    def _sound(self) -> Times:
+        if self.start == self.end:
+            raise wrong("end", f"the hours end at {self.end:g}, where they start (give another, or neither)")
+        return self
+
 
 class Schedule(Keys):
     """States by the clock, or step by step from a file."""
