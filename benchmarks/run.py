@@ -14,6 +14,7 @@ sys.path[:0] = [str(ROOT / "tests")]
 import agreement  # noqa: E402
 import conversion  # noqa: E402
 import glare  # noqa: E402
+import glare_year  # noqa: E402
 import goniophotometer  # noqa: E402
 import loading  # noqa: E402
 import lookups  # noqa: E402
@@ -55,6 +56,7 @@ CHAPTERS = {
         "years-product": year_matrices.product,
         "years-chain": year_chain.report,
         "years-growth": year_growth.report,
+        "glare-year": glare_year.report,
     },
 }
 JOBS = {name: job for jobs in CHAPTERS.values() for name, job in jobs.items()}

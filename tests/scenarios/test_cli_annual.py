@@ -5,6 +5,8 @@ import json
 import pytest
 
 from clerestory.cli import main
+from clerestory.glare import evaluate
+from clerestory.picture import Picture
 from short_study import ROOM, days
 
 STUDY = """
@@ -55,6 +57,30 @@ def test_a_study(study, capsys):
     assert run(study / "study.toml", "--cache", study / "cache", "--json") == 0
     assert json.loads(capsys.readouterr().out)["data_sets"] == told["data_sets"]
     assert {path.name: path.stat().st_mtime_ns for path in (study / "cache").iterdir()} == files
+
+
+def test_glare_by_pictures(study, capsys):
+    path, out = study / "study.toml", study / "results"
+    # A sky of March at noon, and a grey one.
+    path.write_text(path.read_text().replace("paths = 1024", 'paths = 1024\nglare = "pictures"\npicture_px = 120'))
+    chosen = ("--picture", "03-20 12:00", "--picture", "03-21 12:00")
+    assert run(path, "-o", out, "--cache", study / "cache", "--json", *chosen) == 0
+    told = json.loads(capsys.readouterr().out)
+    names = [f"desk-{name}-03-{day}-1230.hdr" for name in ("clear", "dark") for day in (20, 21)]
+    assert sorted(name for name in told["written"] if name.endswith(".hdr")) == sorted(str(out / n) for n in names)
+    import xarray
+
+    with xarray.open_dataset(out / "results.nc") as stored:
+        for name in names:
+            _, data_set, _, day, _ = name.split("-")
+            step = 12 + 24 * (int(day) - 20)
+            year = stored.sel(data_set=data_set, view="desk").isel(time=step)
+            found = evaluate(Picture.read(out / name))
+            # A file of four bytes a pixel.
+            assert found.vertical_illuminance == pytest.approx(float(year.eye_illuminance), rel=0.01)
+            assert found.dgp == pytest.approx(float(year.dgp), abs=0.003)
+    assert run(path, "--cache", study / "cache", "--picture", "03-20 12:00") == 2
+    assert "--output" in capsys.readouterr().err
 
 
 def test_a_plan_computes_nothing(study, capsys):

@@ -47,7 +47,7 @@ mod _core {
     #[pymodule_export]
     use crate::room::{PyRoom, PyRoomPicture, PyRoomShapes};
     #[pymodule_export]
-    use crate::room_matrix::{PyWindowGroups, square_directions};
+    use crate::room_matrix::{PyWindowGroups, square_cells, square_directions};
     #[pymodule_export]
     use crate::room_scene::read_room_scene;
     #[pymodule_export]

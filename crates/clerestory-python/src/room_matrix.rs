@@ -8,7 +8,7 @@ use clerestory::room::{Groups, Paths, Room, Rows};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::rows;
+use crate::arrays::{pairs, rows};
 use crate::basis::PyBasis;
 use crate::errors::{ClerestoryError, raise};
 use crate::jobs::watched;
@@ -30,6 +30,14 @@ type Apertures<'py> = (
     Bound<'py, PyArray1<f32>>,
     Bound<'py, PyArray1<f32>>,
     Bound<'py, PyArray2<f32>>,
+);
+
+/// Pixel, share and window (n); direction (n, 3).
+type WindowsSeen<'py> = (
+    Bound<'py, PyArray1<i64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<i64>>,
+    Bound<'py, PyArray2<f64>>,
 );
 
 /// Windows and radiances (directions, suns).
@@ -102,7 +110,7 @@ impl PyWindowGroups {
         matrix(py, found)
     }
 
-    /// Radiance in the pixels `first` to `last` of a view's picture by the radiance of the windows' patches.
+    /// Radiance of the surfaces in the pixels `first` to `last` of a view's picture by the radiance of the windows' patches.
     #[pyo3(signature = (view, width, height, first, last, samples, seed, report=None))]
     #[allow(clippy::too_many_arguments, reason = "a picture, a part of it, and how")]
     fn picture_matrix<'py>(
@@ -123,6 +131,24 @@ impl PyWindowGroups {
                 .picture_matrix(&view.0, [width, height], first..last, &self.groups, paths, progress)
         })?;
         matrix(py, found)
+    }
+
+    /// What the pixels of a view's picture show of windows, or parts of pixels: number of the pixel, its share, and number of the
+    /// window from 0 (n); direction (n, 3).
+    fn windows_seen<'py>(
+        &self,
+        py: Python<'py>,
+        view: &PyView,
+        width: usize,
+        height: usize,
+    ) -> PyResult<WindowsSeen<'py>> {
+        let seen = py.detach(|| self.room.windows_seen(&view.0, [width, height]));
+        Ok((
+            PyArray1::from_iter(py, seen.iter().map(|s| s.pixel as i64)),
+            PyArray1::from_iter(py, seen.iter().map(|s| s.share)),
+            PyArray1::from_iter(py, seen.iter().map(|s| i64::from(s.window))),
+            rows(py, seen.iter().flat_map(|s| s.direction.array()).collect(), 3)?,
+        ))
     }
 
     /// Mean radiance from the room at a group's windows by patches of interior light, by the radiance of the windows' patches.
@@ -258,6 +284,22 @@ impl PyWindowGroups {
         let frame = self.room.frame_of(group, &self.groups).map_err(raise)?;
         Ok(frame.map(Vec3::array))
     }
+}
+
+/// Cells (n) of the square, row by row with `steps` along each axis, that points (n, 2) of the disk lie in.
+#[pyfunction]
+pub fn square_cells<'py>(
+    py: Python<'py>,
+    points: PyReadonlyArray2<'py, f64>,
+    steps: usize,
+) -> PyResult<Bound<'py, PyArray1<i64>>> {
+    let cell = |p: &[f64; 2]| {
+        let [row, column] = Disk::new(p[0], p[1])
+            .to_square()
+            .map(|u| ((u * steps as f64) as usize).min(steps - 1));
+        (row * steps + column) as i64
+    };
+    Ok(PyArray1::from_iter(py, pairs(&points, "points")?.iter().map(cell)))
 }
 
 /// Outgoing directions (steps², 3), in the frame of a sample, of the middles of the square's cells, row by row.

@@ -39,6 +39,11 @@ class Light:
     irradiance: Doubles
     """(steps) of a plane that faces it."""
 
+    def part(self, steps: slice | NDArray[np.bool_]) -> Light:
+        """Some of the steps."""
+        sky, sun, diffuse, directly = (a[:, steps] for a in (self.sky, self.sun, self.diffuse, self.directly))
+        return Light(sky, sun, diffuse, directly, self.suns[steps], self.irradiance[steps])
+
     @property
     def steps(self) -> int:
         """How many."""

@@ -1,7 +1,7 @@
 """The windows as points see them, at a finer resolution than that of the patches.
 
-Cells of the square of a group's directions have the sky's light through the system, by the patches that it arrives
-in, and the sun's at the data set's own resolution. Beams show the sky itself.
+Directions, such as cells of the square of a group's directions, have the sky's light through the system, by the
+patches that it arrives in, and the sun's at the data set's own resolution. Beams show the sky itself.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clerestory import _core
-from clerestory.annual.sun import SunThrough
+from clerestory.annual.sun import Outgoing, SunThrough
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,53 +26,57 @@ if TYPE_CHECKING:
     Doubles = NDArray[np.float64]
     Floats = NDArray[np.float32]
 
-_INCIDENT = 64
-"""Steps along each axis of the square on which incident light is summed."""
+_INCIDENT, _OUTGOING = 64, 128
+"""Steps along each axis of the squares on which the sky's light is summed, and found."""
 
 
 @dataclass(frozen=True)
 class SkyThrough:
-    """The sky's light through the cells of the windows' directions."""
+    """The sky's light through the windows, by directions."""
 
-    numbers: NDArray[np.int64]
-    """(cells) group · steps² + cell."""
     patch: NDArray[np.int64]
-    """(cells) patch of all groups that each lies in."""
+    """(directions) patch of all groups that each lies in."""
+    cell: NDArray[np.int64]
+    """(directions) cell of the square that each lies in, of those in `scattered`."""
     scattered: Floats
-    """(cells, groups · patches) radiance of a cell by that of the incident patches; without beams."""
+    """(cells, groups · patches) radiance by that of the incident patches; without beams."""
     beam: Floats
-    """(cells) transmittance of what goes straight on."""
+    """(directions) transmittance of what goes straight on."""
     behind: NDArray[np.int64]
-    """(cells) patch of the sky behind a cell."""
+    """(directions) patch of the sky behind the window."""
     free: NDArray[np.bool_]
-    """(cells) whether nothing but sky and ground is before the group's windows."""
+    """(directions) whether nothing but sky and ground is before the group's windows."""
 
     @classmethod
-    def of(cls, through: SunThrough, numbers: NDArray[np.int64], sky: _core.SkyPatches) -> SkyThrough:
-        """Of cells that some eye sees."""
-        matrices, steps = through.matrices, through.steps
+    def of(cls, through: SunThrough, outgoing: Outgoing, sky: _core.SkyPatches) -> SkyThrough:
+        """Of directions that some eye sees."""
+        matrices, count = through.matrices, len(outgoing.group)
         basis, patches = matrices.basis, len(matrices.basis)
-        outgoing = _core.square_directions(steps)[numbers % steps**2]
-        group = numbers // steps**2
-        patch = basis._core.patch_of(np.ascontiguousarray(outgoing[:, :2])) + group * patches
+        disk = np.ascontiguousarray(outgoing.direction[:, :2])
+        patch = basis._core.patch_of(disk) + outgoing.group * patches
+        numbers = _core.square_cells(disk, _OUTGOING) + outgoing.group * _OUTGOING**2
+        numbers, cell = np.unique(numbers, return_inverse=True)
+        cells = Outgoing.of_cells(numbers, _OUTGOING)
         scattered = np.zeros((len(numbers), len(through.systems) * patches), dtype=np.float32)
-        beam = np.zeros(len(numbers), dtype=np.float32)
-        behind = np.zeros(len(numbers), dtype=np.int64)
-        free = np.zeros(len(numbers), dtype=bool)
+        beam = np.zeros(count, dtype=np.float32)
+        behind = np.zeros(count, dtype=np.int64)
+        free = np.zeros(count, dtype=bool)
         for number, bsdf in enumerate(through.systems):
-            here = np.flatnonzero(group == number)
+            here = np.flatnonzero(outgoing.group == number)
             if not len(here):
                 continue
             columns = slice(number * patches, (number + 1) * patches)
-            scattered[here, columns] = _scattered(bsdf, through.band, basis._core, outgoing[here])
-            world = -outgoing[here] @ matrices.frame(number)
-            beam[here] = through.beams(number, world)
+            of_group = np.flatnonzero(cells.group == number)
+            directions = cells.direction[of_group]
+            scattered[of_group, columns] = _scattered(bsdf, through.band, basis._core, directions)
+            world = -outgoing.direction[here] @ matrices.frame(number)
+            beam[here] = through.passed(number, world)
             behind[here] = sky.patch_of(np.ascontiguousarray(world))
             free[here] = not len(matrices.outside_of(number))
-        return cls(numbers, patch, scattered, beam, behind, free)
+        return cls(patch, cell, scattered, beam, behind, free)
 
     def radiance(self, arrives: Floats, sky: Floats) -> Floats:
-        """Radiance (cells, steps).
+        """Radiance (directions, steps).
 
         Parameters
         ----------
@@ -82,11 +86,11 @@ class SkyThrough:
             Radiance (patches of the sky, steps), without the sun.
         """
         seen = np.where(self.free[:, None], sky[self.behind], arrives[self.patch])
-        return np.asarray(self.scattered @ arrives + self.beam[:, None] * seen)
+        return np.asarray((self.scattered @ arrives)[self.cell] + self.beam[:, None] * seen)
 
 
 def _scattered(bsdf: Bsdf, band: str | None, basis: _core.Basis, outgoing: Doubles) -> Floats:
-    """Radiance of cells (cells, patches) by that of incident patches, each probed at the cells of a square."""
+    """Radiance (directions, patches) by that of incident patches, each probed at the cells of a square."""
     incident = _core.square_directions(_INCIDENT)
     patch = basis.patch_of(np.ascontiguousarray(incident[:, :2]))
     # Each point stands for an equal part of its patch.
@@ -122,11 +126,13 @@ class SeenCells:
     def __init__(self, matrices: RoomMatrices, points: Doubles, normals: Doubles, steps: int) -> None:
         from scipy.sparse import csr_array
 
-        seen = matrices.apertures(points, normals, steps, parts=4)
-        self.matrices, self.steps = matrices, steps
+        seen = matrices.apertures(points, normals, steps)
+        self.matrices = matrices
         self.points, self.normals = points, normals
         self.numbers, columns = np.unique(seen.number, return_inverse=True)
         """Of the cells that any point sees."""
+        self.outgoing = Outgoing.of_cells(self.numbers, steps)
+        """Their directions."""
         self.weights = csr_array((seen.projected, columns, seen.first), shape=(len(points), len(self.numbers)))
         """(points, cells) projected solid angle that each is seen under [sr]."""
 
@@ -146,10 +152,10 @@ class SeenWindows:
 
     def __init__(self, cells: SeenCells, systems: Sequence[Bsdf], sky: _core.SkyPatches) -> None:
         self.cells = cells
-        self.through = SunThrough(cells.matrices, tuple(systems), cells.steps)
-        self.sky = SkyThrough.of(self.through, cells.numbers, sky)
+        self.through = SunThrough(cells.matrices, tuple(systems))
+        self.sky = SkyThrough.of(self.through, cells.outgoing, sky)
 
-    def from_cells(self, radiance: Floats) -> Doubles:
+    def from_cells(self, radiance: Floats | Doubles) -> Doubles:
         """Irradiance (points, steps) by the radiance of cells (cells, steps)."""
         return np.asarray(self.cells.weights @ radiance, dtype=np.float64)
 
@@ -157,7 +163,7 @@ class SeenWindows:
         """What the cells and the sun send at some steps."""
         return CellLight(
             self.sky.radiance(light.diffuse, light.sky),
-            self.through.radiance(self.cells.numbers, light.suns, light.irradiance),
+            self.through.radiance(self.cells.outgoing, light.suns, light.irradiance),
             self.through.through(self.cells.points, light.suns, light.irradiance),
         )
 

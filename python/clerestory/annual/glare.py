@@ -2,9 +2,9 @@
 
 What an eye sees of the windows are cells of the square of their directions, at the resolution that is asked for. Each
 hour a cell has the sky's light through the system, the sun's at the data set's own resolution, and what the room
-returns; the sun that is seen through a beam is a source of its own, with its true luminance and size, and what it
-lights in the room can be a source. The illuminance at the eye is that of the five-phase method; other surfaces of the
-room count in it, and are no sources.
+returns. Surfaces are seen in coarse pixels: they have the light of the windows' patches, and what beams of the sun
+throw on them. The sun that is seen through a beam has its true luminance and size. The illuminance at the eye is the
+sum of all that.
 """
 
 from __future__ import annotations
@@ -21,11 +21,10 @@ from clerestory.sky.model import SOLAR_DIAMETER_DEG
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from clerestory.annual.sun import Eye, SunSeen
+    from clerestory.annual.sun import Eye
     from clerestory.glare import Settings
 
     Doubles = NDArray[np.float64]
-    Floats = NDArray[np.float32]
 
 SOLAR_SOLID_ANGLE = 2.0 * math.pi * (1.0 - math.cos(math.radians(SOLAR_DIAMETER_DEG / 2.0)))
 """Of the sun's disc [sr]."""
@@ -33,9 +32,10 @@ SOLAR_SOLID_ANGLE = 2.0 * math.pi * (1.0 - math.cos(math.radians(SOLAR_DIAMETER_
 
 def rate(
     eye: Eye,
-    numbers: NDArray[np.int64],
-    luminances: Floats,
-    sun: SunSeen,
+    windows: Doubles,
+    surfaces: Doubles,
+    straight: Doubles,
+    suns: Doubles,
     illuminance: Doubles,
     chosen: NDArray[np.bool_],
     settings: Settings,
@@ -46,10 +46,12 @@ def rate(
     ----------
     eye
         Who sees.
-    numbers, luminances
-        Of cells, and their luminances (cells, steps) [cd/m²].
-    sun
-        What the eye sees of the sun [lx, cd/m²].
+    windows, surfaces
+        Luminances [cd/m²] of the cells of windows that the eye sees, and of its directions of surfaces (n, steps).
+    straight
+        What it sees of the sun [lx] on a plane that faces it (steps).
+    suns
+        Unit vectors (steps, 3) toward it.
     illuminance
         At the eye (steps) [lx].
     chosen
@@ -57,16 +59,9 @@ def rate(
     settings
         Of the evaluation.
     """
-    seen = luminances[np.searchsorted(numbers, eye.seen.number)]
-    in_windows = eye.seen.projected @ seen + sun.straight * np.maximum(sun.directions @ eye.direction[0], 0.0)
-    around = np.maximum(illuminance - in_windows, 0.0) / np.pi
-    # A sunlit surface has the room's light besides the sun's.
-    surfaces = np.where(sun.surfaces > 0.0, sun.surfaces + around, 0.0)
     view = View.fisheye(eye.point[0], eye.direction[0])
-    lights = np.column_stack(
-        [sun.directions, sun.straight / SOLAR_SOLID_ANGLE, np.full(len(chosen), SOLAR_SOLID_ANGLE)]
-    )
-    every = np.concatenate([seen[:, chosen], surfaces[:, chosen]]).T
+    lights = np.column_stack([suns, straight / SOLAR_SOLID_ANGLE, np.full(len(chosen), SOLAR_SOLID_ANGLE)])
+    every = np.concatenate([windows[:, chosen], surfaces[:, chosen]]).T
     return dict(
         _core.rate_glare_hours(
             view._core,

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float32]
 
 
+_PROBES = 256
+"""Rays along each axis of the square by which it is found how much is seen of a cell, at least; two of each cell."""
 _OUTSIDE = 64
 """Points at which windows are asked whether the sun reaches them."""
 
@@ -60,6 +62,20 @@ class Apertures:
     """(cells) that by the cosine to the point's normal [sr]."""
     direction: Floats
     """(cells, 3) towards it."""
+
+
+@dataclass(frozen=True)
+class WindowsSeen:
+    """What pixels show of windows, or parts of pixels."""
+
+    pixel: NDArray[np.int64]
+    """(n) its number, row by row from the top left."""
+    share: NDArray[np.float64]
+    """(n) of the pixel."""
+    group: NDArray[np.int64]
+    """(n) of the window."""
+    direction: NDArray[np.float64]
+    """(n, 3) from the eye."""
 
 
 class RoomMatrices:
@@ -150,7 +166,7 @@ class RoomMatrices:
             lambda: self._groups.view_matrix(at, towards, direct_meetings, samples, self.seed, progress),
         )
 
-    def picture(
+    def surfaces(
         self,
         view: View,
         size_px: tuple[int, int],
@@ -158,9 +174,10 @@ class RoomMatrices:
         samples: int = 64,
         progress: Callable[[float], object] | None = None,
     ) -> Matrix:
-        """Radiance in the pixels of a picture, row by row from the top left, by the radiance of patches.
+        """Radiance of the surfaces in the pixels of a picture, row by row from the top left, by that of patches.
 
-        Direct is what is seen of a window, and what a surface that is seen gets from it.
+        Direct is what a surface that is seen gets from a window. The windows themselves are not in it, see
+        `windows_seen`; a pixel that shows both has the surface's radiance times its share.
         """
         width, height = size_px
         key = {"view": view.options, "size": [width, height], "samples": samples, "basis": self.basis.name}
@@ -180,7 +197,12 @@ class RoomMatrices:
                 parts.append(photopic(made))
             return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
-        return Matrix(**self.cache.get("picture", {**self.key, **key}, compute))
+        return Matrix(**self.cache.get("surfaces", {**self.key, **key}, compute))
+
+    def windows_seen(self, view: View, size_px: tuple[int, int]) -> WindowsSeen:
+        """What the pixels of a picture show of windows; those at an edge in parts."""
+        pixel, share, window, direction = self._groups.windows_seen(view._core, *size_px)
+        return WindowsSeen(pixel, share, np.array(self.of_window, dtype=np.int64)[window], direction)
 
     def returned(self, group: int, *, samples: int = 4096) -> Matrix:
         """Mean radiance from the room at a group's windows by patches of interior light (rows), by that of patches."""
@@ -195,13 +217,9 @@ class RoomMatrices:
         key = {"group": group, "patches": patches.name, "samples": samples, "basis": self.basis.name}
         return self._of("daylight", key, lambda: self._groups.daylight_matrix(group, patches._core, samples, self.seed))
 
-    def apertures(
-        self, points: NDArray[np.float64], normals: NDArray[np.float64], steps: int, *, parts: int = 2
-    ) -> Apertures:
-        """What points (n, 3) with normals (n, 3) see of the windows, in `steps` cells along each axis of the square.
-
-        Each cell is probed by `parts` × `parts` rays.
-        """
+    def apertures(self, points: NDArray[np.float64], normals: NDArray[np.float64], steps: int) -> Apertures:
+        """What points (n, 3) with normals (n, 3) see of the windows, in `steps` cells along each axis of the square."""
+        parts = max(2, _PROBES // steps)
         key = {"points": digest(points), "normals": digest(normals), "steps": steps, "parts": parts}
         names = ("first", "number", "solid_angle", "projected", "direction")
 

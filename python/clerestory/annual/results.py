@@ -95,6 +95,18 @@ def _provision(outcome: Outcome, name: str) -> dict[str, Any]:
     return {"en17037_provision": en17037.provision_level(levels), "en17037_areas": areas}
 
 
+def write_pictures(study: Study, steps: Sequence[int], folder: Path) -> list[Path]:
+    """Write pictures of steps into a folder, of each view and data set; their paths."""
+    folder.mkdir(parents=True, exist_ok=True)
+    made = []
+    for data_set, view, step, picture in study.pictures(steps):
+        when = study.weather.words(step).replace(" ", "-").replace(":", "")
+        path = folder / f"{_slug(view)}-{_slug(data_set)}-{when}.hdr"
+        picture.write(path)
+        made.append(path)
+    return made
+
+
 def write(study: Study, outcomes: Sequence[Outcome], folder: Path) -> list[Path]:
     """Write `results.nc`, tables and pictures into a folder; their paths."""
     from clerestory.plot import style

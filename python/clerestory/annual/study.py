@@ -18,7 +18,9 @@ from clerestory.annual.control.tables import Schedule
 from clerestory.annual.facade import Facade
 from clerestory.annual.matrices import RoomMatrices
 from clerestory.annual.outcome import Collected
+from clerestory.annual.pictures import YearPictures
 from clerestory.annual.year import RoomYear, Sampling
+from clerestory.picture import View
 from clerestory.room.world import load as load_room
 from clerestory.room.world import system_of
 from clerestory.trace.keys import Keys, Positive, RecipeError, wrong
@@ -27,13 +29,14 @@ from clerestory.weather import Hours, SkyYear, read_weather, synthetic_year
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from numpy.typing import NDArray
 
     from clerestory.annual.outcome import Outcome
     from clerestory.annual.year import Part
     from clerestory.bsdf import Bsdf
+    from clerestory.picture import Picture
     from clerestory.room import Room
     from clerestory.weather import Weather
 
@@ -64,6 +67,10 @@ class Recipe(Keys):
     """A weather file; without one a year is made up for the room's place, and says so."""
     method: Literal["2-phase", "3-phase", "5-phase", "6-phase"] = "5-phase"
     """Whether the direct sun has the resolution of the data set."""
+    glare: Literal["imageless", "pictures"] = "imageless"
+    """Whether glare is found in what eyes see of windows and surfaces, or in pictures of every step."""
+    picture_px: Annotated[int, Field(ge=100, le=2000)] = 380
+    """Width and height of pictures; of 380 a pixel is as large as the sun."""
     patches: str = "reinhart:4"
     """Of the sky."""
     sensors: list[str] = Field(default_factory=list)
@@ -250,6 +257,17 @@ class Study:
             Block(nowhere, tuple(self.views[first : first + _EYES])) for first in range(0, len(self.views), _EYES)
         ]
 
+    def pictures(self, steps: Sequence[int]) -> Iterator[tuple[str, str, int, Picture]]:
+        """Pictures of some steps: of which data set, view and step each is, and the fisheye of 180° itself."""
+        size = (self.recipe.picture_px, self.recipe.picture_px)
+        for view in self.views:
+            eye = View.fisheye(self.room.view(view).point_m, self.room.view(view).direction)
+            year = YearPictures(self._arrivals, eye, size)
+            for choice in self.choices.values():
+                asked = [step for step in steps if choice.when is None or choice.when[step]]
+                for step, picture in year.of(choice.systems).at(asked) if asked else ():
+                    yield choice.data_set, view, step, picture
+
     def year(self, block: Block) -> RoomYear:
         """The year of some points or eyes."""
         return RoomYear(
@@ -259,6 +277,7 @@ class Study:
             {name: (self.room.view(name).point_m, self.room.view(name).direction) for name in block.views},
             # The sixth phase is in what arrives.
             method="5-phase" if self.recipe.method == "6-phase" else self.recipe.method,
+            picture_px=self.recipe.picture_px if self.recipe.glare == "pictures" else None,
             sampling=Sampling(view=self.recipe.paths),
         )
 

@@ -7,6 +7,7 @@ points, and beams go to the points that see the sun through a window.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ import numpy as np
 from clerestory import _core
 from clerestory.annual.phases import straight_through
 from clerestory.picture import View
+from clerestory.sky.model import SOLAR_DIAMETER_DEG
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -26,8 +28,14 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float32]
 
 
-_SURFACES = 48
-"""Directions along each axis of the square on which an eye looks for sunlit surfaces."""
+_SURFACES = 96
+"""Pixels across the hemispherical picture in which an eye sees surfaces."""
+_LEAST_SHARE = 0.05
+"""Of a surface in such a pixel; the rest of one with less is a window."""
+_RING = 6
+"""Points of the sun's disc about its middle."""
+_RING_RADIUS = math.radians(SOLAR_DIAMETER_DEG / 2.0) * math.sqrt((_RING + 1) / (2.0 * _RING))
+"""Of these [rad]: with the middle they have the disc's spread."""
 
 
 @dataclass(frozen=True)
@@ -41,40 +49,55 @@ class Eye:
     seen: Apertures
     """What it sees of the windows, of one point."""
     directions: Doubles
-    """(n, 3) in which it looks for sunlit surfaces."""
+    """(n, 3) in which it sees surfaces."""
     solid_angles: Doubles
-    """(n) of these [sr]; each is an equal part of the projected solid angle."""
+    """(n) of these [sr]."""
+    surfaces: Floats
+    """(n, groups · patches) radiance of these surfaces by that of the windows' patches."""
+    directly: Floats
+    """(n, groups · patches) what of it they get from a window without another surface."""
 
     @classmethod
     def of(cls, matrices: RoomMatrices, point: ArrayLike, direction: ArrayLike, steps: int) -> Eye:
         """At a point [m], looking along a direction, with cells of `steps` along each axis of the square."""
         at, towards = (np.asarray(v, dtype=np.float64).reshape(1, 3) for v in (point, direction))
         towards = towards / np.linalg.norm(towards)
-        around = _core.square_directions(_SURFACES)
-        frame = View.fisheye(at[0], towards[0]).frame
-        areas = np.pi / _SURFACES**2 / around[:, 2]
-        return cls(at, towards, matrices.apertures(at, towards, steps, parts=4), around @ frame, areas)
+        view, size = View.fisheye(at[0], towards[0]).updated("-vth"), (_SURFACES, _SURFACES)
+        rows, windows = matrices.surfaces(view, size, samples=256), matrices.windows_seen(view, size)
+        share = 1.0 - np.bincount(windows.pixel, windows.share, minlength=_SURFACES**2)
+        directions = view.pixel_directions(*size).reshape(-1, 3)
+        seen = np.flatnonzero((share > _LEAST_SHARE) & np.isfinite(directions).all(axis=1))
+        solid_angles = (view.solid_angles(*size, exact=True).ravel() * share)[seen]
+        # A pixel's mean counts windows as black.
+        whole = (1.0 / share[seen, None]).astype(np.float32)
+        return cls(
+            at,
+            towards,
+            matrices.apertures(at, towards, steps),
+            directions[seen],
+            solid_angles,
+            rows.all[seen] * whole,
+            rows.direct[seen] * whole,
+        )
+
+    def irradiance(self, surfaces: Floats) -> Doubles:
+        """Irradiance (steps) at the eye by the radiance of surfaces (n, steps)."""
+        return np.asarray((self.solid_angles * (self.directions @ self.direction[0])) @ surfaces, dtype=np.float64)
 
 
 @dataclass(frozen=True)
-class SunSeen:
-    """What an eye sees of the sun."""
+class Outgoing:
+    """Directions in which windows send light into the room."""
 
-    directions: Doubles
-    """(steps, 3) toward it."""
-    straight: Doubles
-    """(steps) on a plane that faces it, of the sun that is seen through windows."""
-    surfaces: Floats
-    """(directions of the eye, steps) radiance of what it lights through beams of windows."""
+    group: NDArray[np.int64]
+    """(n) of the window."""
+    direction: Doubles
+    """(n, 3) in the frame of the group's samples."""
 
-    @property
-    def from_surfaces(self) -> Doubles:
-        """Irradiance (steps) at the eye from what it lights."""
-        return np.asarray(np.pi * self.surfaces.mean(axis=0, dtype=np.float64))
-
-    def scaled(self, factor: float) -> SunSeen:
-        """In another unit."""
-        return SunSeen(self.directions, factor * self.straight, factor * self.surfaces)
+    @classmethod
+    def of_cells(cls, numbers: NDArray[np.int64], steps: int) -> Outgoing:
+        """Middles of cells, numbered as apertures number them, of a square with `steps` along each axis."""
+        return cls(numbers // steps**2, _core.square_directions(steps)[numbers % steps**2])
 
 
 @dataclass(frozen=True)
@@ -87,50 +110,54 @@ class SunThrough:
         The room.
     systems
         Data set of each group, with its beams separated or not.
-    steps
-        Cells along each axis of the square of a group's directions.
     band
         Of the data sets.
     """
 
     matrices: RoomMatrices
     systems: tuple[Bsdf, ...]
-    steps: int = 64
     band: str | None = None
 
-    def radiance(self, numbers: NDArray[np.int64], suns: Doubles, irradiance: Doubles) -> Floats:
-        """Radiance (cells, steps) of cells of the windows, without beams.
+    def radiance(self, outgoing: Outgoing, suns: Doubles, irradiance: Doubles) -> Floats:
+        """Radiance (directions, steps) of the windows, without beams; by the mean over the sun's disc.
 
         Parameters
         ----------
-        numbers
-            Of the cells, as apertures have them.
+        outgoing
+            Directions of the windows' light.
         suns, irradiance
             Unit vectors (steps, 3) toward the sun in the world, and what it gives to a plane that faces it (steps).
         """
-        cells = _core.square_directions(self.steps)
-        found = np.zeros((len(numbers), len(suns)), dtype=np.float32)
+        found = np.zeros((len(outgoing.group), len(suns)), dtype=np.float32)
+        points = np.concatenate([suns, *_discs(suns)])
+        step = np.tile(np.arange(len(suns)), _RING + 1)
         for group, bsdf in enumerate(self.systems):
-            frame = self.matrices.frame(group)
-            incident = suns @ frame.T
-            facing = np.flatnonzero((incident[:, 2] < 0.0) & (irradiance > 0.0))
-            here = np.flatnonzero(numbers // self.steps**2 == group)
-            if not len(facing) or not len(here):
+            incident = points @ self.matrices.frame(group).T
+            facing = (incident[:, 2] < 0.0) & (irradiance[step] > 0.0)
+            here = np.flatnonzero(outgoing.group == group)
+            if not facing.any() or not len(here):
                 continue
-            lit = self.matrices.sunlit_share(group, suns[facing])
-            outgoing = cells[numbers[here] % self.steps**2]
-            falls = -incident[facing, 2] * irradiance[facing] * lit
-            apart = np.arange(len(facing))
-            found[np.ix_(here, facing)] = bsdf._core.gather(
-                incident[facing], falls, apart, len(facing), outgoing, self.band, "transmission"
+            of = step[facing]
+            lit = np.zeros(len(suns))
+            up = np.unique(of)
+            lit[up] = self.matrices.sunlit_share(group, suns[up])
+            falls = -incident[facing, 2] * (lit * irradiance)[of] / (_RING + 1)
+            directions = np.ascontiguousarray(outgoing.direction[here])
+            found[here] = bsdf._core.gather(
+                incident[facing], falls, of, len(suns), directions, self.band, "transmission"
             )
         return found
 
     def beams(self, group: int, suns: Doubles) -> Doubles:
-        """Transmittance (steps) of what goes straight through a group's windows from the sun."""
-        incident = np.ascontiguousarray(suns @ self.matrices.frame(group).T)
+        """Transmittance (steps) of what goes straight through a group's windows from the sun's disc."""
+        points = [suns, *_discs(suns)]
+        return np.asarray(np.mean([self.passed(group, directions) for directions in points], axis=0))
+
+    def passed(self, group: int, directions: Doubles) -> Doubles:
+        """Transmittance (n) of what goes straight through a group's windows from directions (n, 3) outside."""
+        incident = np.ascontiguousarray(directions @ self.matrices.frame(group).T)
         facing = np.flatnonzero(incident[:, 2] < 0.0)
-        found = np.zeros(len(suns))
+        found = np.zeros(len(directions))
         found[facing] = straight_through(self.systems[group], incident[facing], self.band)
         return found
 
@@ -147,15 +174,24 @@ class SunThrough:
         found[:, up] = share * irradiance[up]
         return found
 
-    def seen_by(self, eye: Eye, suns: Doubles, irradiance: Doubles, straight: Doubles) -> SunSeen:
-        """What an eye sees of suns (steps, 3), that give `irradiance` (steps) to a plane that faces them.
-
-        `straight` (steps) is what is seen of that through windows.
-        """
-        surfaces = np.zeros((len(eye.directions), len(suns)), dtype=np.float32)
+    def on_surfaces(self, point: Doubles, directions: Doubles, suns: Doubles, irradiance: Doubles) -> Floats:
+        """Radiance (directions, steps) of what an eye at a point (3) sees of what suns light through beams."""
+        found = np.zeros((len(directions), len(suns)), dtype=np.float32)
         passed = np.stack([self.beams(group, suns) for group in range(len(self.systems))]) * irradiance
         up = np.flatnonzero(passed.max(axis=0) > 0.0)
         if len(up):
-            groups, factors = self.matrices.sunlit(eye.point[0], eye.directions, suns[up])
-            surfaces[:, up] = np.where(groups >= 0, factors * passed[:, up][groups, np.arange(len(up))], 0.0)
-        return SunSeen(suns, straight, surfaces)
+            groups, factors = self.matrices.sunlit(point, directions, suns[up])
+            found[:, up] = np.where(groups >= 0, factors * passed[:, up][groups, np.arange(len(up))], 0.0)
+        return found
+
+
+def _discs(suns: Doubles) -> list[Doubles]:
+    """Points of the disc about the middle of each sun (steps, 3), which stand for equal parts of it with the middle."""
+    # Any axis that is not the sun's own; it is never at the nadir.
+    across = np.cross(suns, [0.0, 0.0, 1.0])
+    length = np.linalg.norm(across, axis=1, keepdims=True)
+    across = np.where(length > 1e-9, across / np.maximum(length, 1e-9), [1.0, 0.0, 0.0])
+    along = np.cross(suns, across)
+    turns = 2.0 * math.pi * (np.arange(_RING) + 0.5) / _RING
+    points = [suns + math.tan(_RING_RADIUS) * (math.cos(a) * across + math.sin(a) * along) for a in turns]
+    return [p / np.linalg.norm(p, axis=1, keepdims=True) for p in points]

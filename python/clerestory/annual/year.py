@@ -15,11 +15,13 @@ from clerestory.annual.cells import SeenCells, SeenWindows
 from clerestory.annual.coefficients import Coefficients
 from clerestory.annual.glare import rate
 from clerestory.annual.phases import Transfer, leaving
+from clerestory.annual.pictures import YearPictures
 from clerestory.annual.points import Lit
 from clerestory.annual.sun import Eye
 from clerestory.glare import Settings
 from clerestory.npz import mark
 from clerestory.photometry import EFFICACY
+from clerestory.picture import View
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -52,7 +54,7 @@ class Sampling:
     """Paths of a patch of the windows into the room."""
     cells: int = 64
     """Cells along each axis of the square of the windows' directions for points."""
-    eye_cells: int = 128
+    eye_cells: int = 256
     """The same for eyes."""
     chunk: int = 256
     """Steps that are in memory at a time."""
@@ -91,6 +93,8 @@ class RoomYear:
         Point [m] and line of sight by name.
     method
         `2-phase` by daylight coefficients, `3-phase`, or `5-phase` with the direct sun at the data set's resolution.
+    picture_px
+        Width and height of the pictures in which glare is found; without pictures by default.
     sampling
         How finely.
     settings
@@ -105,6 +109,7 @@ class RoomYear:
         eyes: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None,
         *,
         method: Method = "5-phase",
+        picture_px: int | None = None,
         sampling: Sampling | None = None,
         settings: Settings | None = None,
     ) -> None:
@@ -113,6 +118,7 @@ class RoomYear:
         self.arrivals = arrivals
         self.matrices = arrivals.matrices
         self.method = method
+        self.picture_px = picture_px
         self.sampling = sampling or Sampling()
         self.settings = settings or Settings()
         if method != "5-phase" and eyes:
@@ -160,7 +166,7 @@ class RoomYear:
                     f"{name}: {len(systems)} systems for {len(self.matrices)} groups of windows (give one each)"
                 )
         marks = {name: [mark(bsdf) for bsdf in systems] for name, systems in data_sets.items()}
-        prepared: dict[str, tuple[Lit | Coefficients | None, _Eyes | None]] = {}
+        prepared: dict[str, tuple[Lit | Coefficients | None, _Eyes | _Pictured | None]] = {}
         is_lit = self.arrivals.sky.is_lit
         chunks = self.chunks if steps is None else steps
         for done, part in enumerate(chunks, start=1):
@@ -209,7 +215,7 @@ class RoomYear:
             if self.method != "3-phase":
                 _ = self._cells
         if self._lines:
-            _ = self._eye_views, self._eye_cells
+            _ = self._eye_cells if self.picture_px is None else self._pictures
 
     def _key_of(self, marks: list[str], part: slice, asked: NDArray[np.bool_]) -> dict[str, object]:
         return self._key | {"systems": marks, "steps": [part.start, part.stop], "asked": digest(asked)}
@@ -219,7 +225,12 @@ class RoomYear:
         """What parts depend on, but for systems and steps."""
         lines = [[[float(x) for x in v] for v in line] for line in self._lines.values()]
         where = {"points": digest(self._points, self._normals), "eyes": lines}
-        how = {"method": self.method, "sampling": asdict(self.sampling), "glare": asdict(self.settings)}
+        how = {
+            "method": self.method,
+            "picture": self.picture_px,
+            "sampling": asdict(self.sampling),
+            "glare": asdict(self.settings),
+        }
         return self.matrices.key | self.arrivals.key | where | how | {"basis": self.matrices.basis.name}
 
     @cached_property
@@ -241,24 +252,30 @@ class RoomYear:
         return SeenCells(self.matrices, at, towards, self.sampling.eye_cells)
 
     @cached_property
-    def _eye_views(self) -> tuple[Matrix, Matrix]:
-        """View matrices of the eyes with what has met nothing as direct, and with one meeting more.
+    def _pictures(self) -> dict[str, YearPictures]:
+        assert self.picture_px is not None
+        size, returned = (self.picture_px, self.picture_px), self.sampling.returned
+        return {
+            name: YearPictures(self.arrivals, View.fisheye(at, towards), size, returned=returned)
+            for name, (at, towards) in self._lines.items()
+        }
 
-        A beam of the sun is exact together with what it lights.
-        """
-        at, towards = self._eye_cells.points, self._eye_cells.normals
-        samples = self.sampling.view
-        met = self.matrices.view(at, towards, direct_meetings=1, samples=samples)
-        return self.matrices.view(at, towards, samples=samples), met
-
-    def _prepared(self, systems: Sequence[Bsdf]) -> tuple[Lit | Coefficients | None, _Eyes | None]:
+    def _prepared(self, systems: Sequence[Bsdf]) -> tuple[Lit | Coefficients | None, _Eyes | _Pictured | None]:
         transfers = [Transfer.of(bsdf, self.matrices.basis) for bsdf in systems]
         once, whole = leaving(transfers), leaving(transfers, self._returned)
         points = self._of_points(systems, once, whole) if len(self._points) else None
-        return points, _Eyes(self, systems, transfers, once, whole) if self._lines else None
+        if not self._lines:
+            return points, None
+        if self.picture_px is not None:
+            return points, _Pictured(self, systems)
+        return points, _Eyes(self, systems, transfers, once, whole)
 
     def _computed(
-        self, light: Light, chosen: NDArray[np.bool_], points: Lit | Coefficients | None, eyes: _Eyes | None
+        self,
+        light: Light,
+        chosen: NDArray[np.bool_],
+        points: Lit | Coefficients | None,
+        eyes: _Eyes | _Pictured | None,
     ) -> Arrays:
         """What is found at the chosen steps of some light."""
         made: Arrays = {}
@@ -316,27 +333,39 @@ class _Eyes:
         self._settings = year.settings
         cells = year._eye_cells
         self._seen = SeenWindows(cells, systems, year.arrivals.sky.patches._core)
-        view, met = year._eye_views
-        self._lit = Lit(view, once, whole, self._seen)
-        self._by_beams = (met.direct - view.direct) * np.concatenate([transfer.beam for transfer in transfers])
+        self._whole = whole
+        self._beams = np.concatenate([transfer.beam for transfer in transfers])[:, None]
         self._returns = (whole - once)[self._seen.sky.patch]
 
     def rated(self, light: Light, chosen: NDArray[np.bool_]) -> dict[str, dict[str, Doubles]]:
         """Illuminance [lx] and indices (steps) of each eye at the chosen steps."""
         cells = self._seen.light(light)
-        suns = [
-            self._seen.through.seen_by(eye, light.suns, light.irradiance, straight)
-            for eye, straight in zip(self._eyes.values(), cells.straight, strict=True)
-        ]
-        lit = self._lit.irradiance(light, cells)[0] - self._by_beams @ light.directly
-        lit += np.stack([sun.from_surfaces for sun in suns])
-        illuminance = EFFICACY * np.maximum(lit, 0.0)
-        luminances = (EFFICACY * (cells.sky + cells.sun + self._returns @ light.arrives)).astype(np.float32)
+        windows = EFFICACY * (cells.sky + cells.sun + self._returns @ light.arrives)
+        from_windows = self._seen.from_cells(windows)
+        sent, by_beams = self._whole @ light.arrives, self._beams * light.directly
         found: dict[str, dict[str, Doubles]] = {}
         dark = np.full(np.count_nonzero(chosen), np.nan)
-        for (name, eye), sun, at_eye in zip(self._eyes.items(), suns, illuminance, strict=True):
-            rated = rate(
-                eye, self._seen.cells.numbers, luminances, sun.scaled(EFFICACY), at_eye, chosen, self._settings
-            )
-            found[name] = {"illuminance": at_eye[chosen]} | {index: rated.get(index, dark) for index in INDICES}
+        for k, (name, eye) in enumerate(self._eyes.items()):
+            # What beams throw on surfaces is spread over patches, and found again for the sun itself.
+            in_sun = self._seen.through.on_surfaces(eye.point[0], eye.directions, light.suns, light.irradiance)
+            surfaces = EFFICACY * np.maximum(eye.surfaces @ sent - eye.directly @ by_beams + in_sun, 0.0)
+            of_windows = windows[np.searchsorted(self._seen.cells.numbers, eye.seen.number)]
+            straight = EFFICACY * cells.straight[k]
+            in_sight = np.maximum(light.suns @ eye.direction[0], 0.0)
+            illuminance = from_windows[k] + eye.irradiance(surfaces) + straight * in_sight
+            rated = rate(eye, of_windows, surfaces, straight, light.suns, illuminance, chosen, self._settings)
+            found[name] = {"illuminance": illuminance[chosen]} | {index: rated.get(index, dark) for index in INDICES}
         return found
+
+
+class _Pictured:
+    """The eyes of a year with one choice of systems, by pictures."""
+
+    def __init__(self, year: RoomYear, systems: Sequence[Bsdf]) -> None:
+        self._pictures = {name: pictures.of(systems) for name, pictures in year._pictures.items()}
+        self._settings = year.settings
+
+    def rated(self, light: Light, chosen: NDArray[np.bool_]) -> dict[str, dict[str, Doubles]]:
+        """Illuminance [lx] and indices (steps) of each eye at the chosen steps."""
+        part = light.part(chosen)
+        return {name: made.rated(part, self._settings, INDICES) for name, made in self._pictures.items()}

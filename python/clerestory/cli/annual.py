@@ -25,6 +25,12 @@ def annual(
         Path | None,
         typer.Option("--cache", metavar="FOLDER", help="Of matrices that are kept; $CLERESTORY_CACHE by default."),
     ] = None,
+    picture: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--picture", metavar="TIME", help="Also pictures of this step (03-21 12:00), of every view; repeatable."
+        ),
+    ] = None,
     workers: Annotated[
         int | None,
         typer.Option("--workers", metavar="N", min=1, help="Run with so many Dask workers on this machine."),
@@ -44,7 +50,7 @@ def annual(
 
     Matrices of the room are kept, so that another data set in the same room takes seconds.
 
-    Example: clerestory annual study.toml -o results
+    Example: clerestory annual study.toml -o results --picture "03-21 12:00"
     """
     from clerestory.annual import results
     from clerestory.annual.study import load
@@ -53,7 +59,12 @@ def annual(
         raise UsageError(f"{output}: is a file (give a folder)")
     if workers is not None and scheduler is not None:
         raise UsageError("--workers and --scheduler are two ways (give one)")
+    if picture and (output is None or critical):
+        raise UsageError("--picture: there are no results beside which to write (give --output FOLDER, no --critical)")
     made = load(study, cache=cache)
+    steps = [made.weather.at(when) for when in picture or ()]
+    if steps and not made.views:
+        raise UsageError("--picture: the study has no views (add one to the room, or to its key views)")
     for text in made.warnings:
         note(f"warning: {text}")
     if dry_run:
@@ -74,6 +85,8 @@ def annual(
         note(f"warning: {text}")
     found = results.summary(made, outcomes)
     written = [] if output is None else results.write(made, outcomes, output)
+    if output is not None and steps:
+        written += results.write_pictures(made, steps, output)
     if as_json:
         print_json(
             {

@@ -95,7 +95,7 @@ class SkyYear:
 
     def columns(
         self,
-        steps: slice | None = None,
+        steps: slice | NDArray[np.int64] | None = None,
         *,
         part: Part = "all",
         sun: Literal["spread", "nearest"] = "spread",

@@ -1,6 +1,6 @@
 //! Glare of a field of view whose parts stay where they are while their luminance changes, hour by hour.
 
-use super::cluster::Neighbourhood;
+use super::cluster::{Neighbourhood, groups};
 use super::indices::{Field, Indices, Light, Source, place, summarise};
 use super::settings::{Settings, Threshold};
 use crate::error::{Error, Result};
@@ -22,13 +22,26 @@ pub struct Elements {
     settings: Settings,
 }
 
+/// An element or a light.
+#[derive(Clone, Copy)]
+struct Part {
+    /// Of the element.
+    number: Option<u32>,
+    world: Vec3,
+    /// In the camera's frame.
+    local: [f64; 3],
+    luminance: f64,
+    omega: f64,
+}
+
 #[derive(Clone, Default)]
 struct Gathered {
     omega: f64,
     flux: f64,
     illuminance: f64,
     largest: f64,
-    middle: Vec3,
+    /// Where the camera's picture shows it, by flux.
+    place: [f64; 2],
     elements: usize,
 }
 
@@ -56,8 +69,8 @@ impl Elements {
         })
     }
 
-    /// Sources among the elements by their luminances (cd/m²), and lights that are sources of their own, rated at an illuminance of the eye
-    /// (lx).
+    /// Sources among the elements by their luminances (cd/m²), and lights beside them, too small to be one of the elements: rated at
+    /// an illuminance of the eye (lx). A light is joined with what is near and as bright, as a picture's pixels of it would be.
     pub fn rate(
         &self,
         luminances: &[f32],
@@ -70,39 +83,37 @@ impl Elements {
                 "a threshold by the mean of a picture needs a picture (give a luminance in cd/m²)".into(),
             ));
         };
-        let above = |limit: f64| -> Vec<u32> {
-            let bright = |k: &u32| {
-                let k = *k as usize;
-                f64::from(luminances[k]) > limit && self.local[k][2] > 0.0 && self.solid_angles[k] > 0.0
-            };
-            (0..luminances.len() as u32).filter(bright).collect()
-        };
         let peak = settings.peaks.unwrap_or(f64::INFINITY);
-        let (peaks, rest): (Vec<u32>, Vec<u32>) = above(threshold)
-            .into_iter()
-            .partition(|&k| f64::from(luminances[k as usize]) > peak);
-        // Sources are joined before peaks are cut out of them.
-        let all: Vec<u32> = rest.iter().chain(&peaks).copied().collect();
-        let mut sources = self.gather(&all, rest.len(), luminances, false);
-        sources.extend(self.gather(&peaks, peaks.len(), luminances, true));
-        for light in lights {
-            let direction = light.direction.unit();
-            let local = self.camera.frame().map(|axis| direction.dot(axis));
-            if local[2] > 0.0 && light.luminance > threshold {
-                sources.push(self.source(
-                    direction,
-                    local,
-                    &Gathered {
-                        omega: light.solid_angle,
-                        flux: light.luminance * light.solid_angle,
-                        illuminance: light.luminance * light.solid_angle * local[2],
-                        largest: light.luminance,
-                        ..Gathered::default()
-                    },
-                    light.luminance > peak,
-                ));
+        let element = |(k, &luminance): (usize, &f32)| Part {
+            number: Some(k as u32),
+            world: self.directions[k],
+            local: self.local[k],
+            luminance: f64::from(luminance),
+            omega: self.solid_angles[k],
+        };
+        let frame = self.camera.frame();
+        let light = |light: &Light| {
+            let world = light.direction.unit();
+            Part {
+                number: None,
+                world,
+                local: frame.map(|axis| world.dot(axis)),
+                luminance: light.luminance,
+                omega: light.solid_angle,
             }
-        }
+        };
+        let (mut all, peaks): (Vec<Part>, Vec<Part>) = luminances
+            .iter()
+            .enumerate()
+            .map(element)
+            .chain(lights.iter().map(light))
+            .filter(|part| part.luminance > threshold && part.local[2] > 0.0 && part.omega > 0.0)
+            .partition(|part| part.luminance <= peak);
+        let rest = all.len();
+        // Sources are joined before peaks are cut out of them.
+        all.extend(&peaks);
+        let mut sources = self.gather(&all, rest, false);
+        sources.extend(self.gather(&peaks, peaks.len(), true));
         let field = Field {
             vertical_illuminance,
             mean_luminance: f64::NAN,
@@ -112,29 +123,37 @@ impl Elements {
         Ok((sources, indices))
     }
 
-    /// Sources of the first `counted` of the elements, joined over all of them.
-    fn gather(&self, chosen: &[u32], counted: usize, luminances: &[f32], peak: bool) -> Vec<Source> {
-        let numbers = self.near.groups(&self.local, chosen);
+    /// Sources of the first `counted` of the parts, joined over all of them.
+    fn gather(&self, parts: &[Part], counted: usize, peak: bool) -> Vec<Source> {
+        let elements: Option<Vec<u32>> = parts.iter().map(|part| part.number).collect();
+        let numbers = if let Some(elements) = elements {
+            self.near.groups(&self.local, &elements)
+        } else {
+            let directions: Vec<[f64; 3]> = parts.iter().map(|part| part.local).collect();
+            groups(&directions, 0.5 * self.settings.search_radius)
+        };
         let mut gathered = vec![Gathered::default(); numbers.iter().max().map_or(0, |n| *n as usize + 1)];
-        for (&k, &number) in chosen[..counted].iter().zip(&numbers) {
-            let (k, sum) = (k as usize, &mut gathered[number as usize]);
-            let (luminance, omega) = (f64::from(luminances[k]), self.solid_angles[k]);
-            let (world, local) = (self.directions[k], self.local[k]);
-            sum.omega += omega;
-            sum.flux += luminance * omega;
-            sum.illuminance += luminance * omega * local[2];
-            sum.largest = sum.largest.max(luminance);
-            sum.middle += world * (luminance * omega);
+        for (part, &number) in parts[..counted].iter().zip(&numbers) {
+            let sum = &mut gathered[number as usize];
+            let flux = part.luminance * part.omega;
+            sum.omega += part.omega;
+            sum.flux += flux;
+            sum.illuminance += flux * part.local[2];
+            sum.largest = sum.largest.max(part.luminance);
+            if let Some([x, y]) = self.camera.locate(part.world) {
+                sum.place[0] += x * flux;
+                sum.place[1] += y * flux;
+            }
             sum.elements += 1;
         }
-        let frame = self.camera.frame();
         gathered
             .iter()
             .filter(|sum| sum.elements > 0)
             .map(|sum| {
-                let direction = sum.middle.unit();
-                let local = frame.map(|axis| direction.dot(axis));
-                self.source(direction, local, sum, peak)
+                // The centre of gravity of a large source is that of the picture, as for one of pixels.
+                let [x, y] = sum.place.map(|at| at / sum.flux);
+                let local = self.camera.local(x, y).unwrap_or([0.0, 0.0, 1.0]);
+                self.source(self.camera.world(local), local, sum, peak)
             })
             .collect()
     }
@@ -216,6 +235,14 @@ mod tests {
         let (_, expected) = rate(&[sun], &camera(), &field, &settings).unwrap();
         assert!(sources[0].peak);
         assert_eq!((found.dgp, found.dgi), (expected.dgp, expected.dgi));
+        // What is near and as bright is one source with it, as a picture's pixels would be.
+        let around = Vec3::new(0.35, 0.8, 0.4);
+        let elements = Elements::new(camera(), &[around], &[1e-3], &settings).unwrap();
+        let (joined, _) = elements.rate(&[1e5], &[sun], 9000.0).unwrap();
+        assert_eq!(joined.len(), 1);
+        assert!((joined[0].solid_angle - 1e-3 - sun.solid_angle).abs() < 1e-12);
+        let (apart, _) = elements.rate(&[4e4], &[sun], 9000.0).unwrap();
+        assert_eq!(apart.len(), 2);
         let mean = Settings {
             threshold: Threshold::TimesMean(5.0),
             ..settings

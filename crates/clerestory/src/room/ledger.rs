@@ -28,8 +28,8 @@ impl Targets<'_> {
 /// Sums over the paths of a row of a matrix.
 pub(super) struct Ledger<'a> {
     targets: Targets<'a>,
-    /// Light that met so many surfaces on its way is direct.
-    direct_meetings: u16,
+    /// Light that met fewer surfaces on its way than the first does not count; up to the second it is direct.
+    meetings: [u16; 2],
     /// Of all light, by column.
     pub(super) all: Vec<Rgb>,
     /// Of direct light.
@@ -37,11 +37,11 @@ pub(super) struct Ledger<'a> {
 }
 
 impl<'a> Ledger<'a> {
-    pub(super) fn new(targets: Targets<'a>, direct_meetings: u16) -> Self {
+    pub(super) fn new(targets: Targets<'a>, meetings: [u16; 2]) -> Self {
         let none = vec![[0.0; 3]; targets.len()];
         Self {
             targets,
-            direct_meetings,
+            meetings,
             all: none.clone(),
             direct: none,
         }
@@ -68,9 +68,13 @@ impl<'a> Ledger<'a> {
     }
 
     fn add(&mut self, column: usize, share: Rgb, meetings: u16) {
+        let [least, direct] = self.meetings;
+        if meetings < least {
+            return;
+        }
         let add = |to: &mut Rgb| to.iter_mut().zip(share).for_each(|(sum, s)| *sum += s);
         add(&mut self.all[column]);
-        if meetings <= self.direct_meetings {
+        if meetings <= direct {
             add(&mut self.direct[column]);
         }
     }

@@ -82,11 +82,20 @@ impl Room {
             let normal = sensors[row].normal.unit();
             tracer.sense(sensors[row].point + normal * LIFT, normal, draws);
         };
-        self.rows(sensors.len(), PI, targets, direct_meetings, paths, progress, launch)
+        self.rows(
+            sensors.len(),
+            PI,
+            targets,
+            [0, direct_meetings],
+            paths,
+            progress,
+            launch,
+        )
     }
 
-    /// Radiance in pixels (rows, top left first, from `first` on) by the radiance of the windows' patches. Direct is what is seen of a window, and what a
-    /// surface that is seen gets from it without meeting another.
+    /// Radiance of the surfaces in pixels (rows, row by row from the top left) by the radiance of the windows' patches. Direct is
+    /// what a surface that is seen gets from a window without meeting another. The windows themselves are black, see
+    /// [`Room::windows_seen`].
     #[allow(clippy::too_many_arguments, reason = "a picture, a part of it, and how")]
     pub fn picture_matrix(
         &self,
@@ -113,7 +122,7 @@ impl Room {
                 tracer.look(origin, direction, draws);
             }
         };
-        self.rows(pixels.len(), 1.0, targets, 1, paths, progress, launch)
+        self.rows(pixels.len(), 1.0, targets, [1, 1], paths, progress, launch)
     }
 
     /// Mean radiance that arrives from the room at a group's windows in each patch of interior light (rows) by the radiance of the
@@ -130,7 +139,7 @@ impl Room {
             let travel = inwards - normal * (2.0 * inwards.dot(normal));
             tracer.look(point + normal * LIFT, -travel, draws);
         };
-        self.rows(groups.basis.len(), 1.0, targets, 1, paths, progress, launch)
+        self.rows(groups.basis.len(), 1.0, targets, [0, 1], paths, progress, launch)
     }
 
     /// Mean radiance that arrives from outside at a group's windows in each patch of exterior light (rows) by the radiance of
@@ -168,7 +177,7 @@ impl Room {
             let out = -self.windows[window].travel(groups.basis.sample_cosine(row, u));
             tracer.look(point + out * LIFT, out, draws);
         };
-        self.rows(groups.basis.len(), 1.0, targets, 0, paths, progress, launch)
+        self.rows(groups.basis.len(), 1.0, targets, [0, 0], paths, progress, launch)
     }
 
     /// Axes of a group's samples: x, y, and z into the room. Fails where its windows differ in them.
@@ -232,7 +241,7 @@ impl Room {
         count: usize,
         factor: f64,
         targets: Targets<'_>,
-        direct_meetings: u16,
+        meetings: [u16; 2],
         paths: Paths,
         progress: &Progress,
         launch: impl Fn(usize, &mut Tracer<'_>, Draws) + Sync,
@@ -243,7 +252,7 @@ impl Room {
         let replication = |row: usize, number: u32| -> Result<[Vec<Rgb>; 2]> {
             let key = mix(paths.seed ^ mix(row as u64 * u64::from(REPLICATIONS) + u64::from(number)));
             let mut tracer = Tracer::new(self);
-            tracer.ledger = Some(Ledger::new(targets, direct_meetings));
+            tracer.ledger = Some(Ledger::new(targets, meetings));
             for first in (0..each).step_by(BATCH) {
                 progress.check()?;
                 for index in first..each.min(first + BATCH as u32) {

@@ -26,7 +26,7 @@ mod window;
 
 pub use aperture::{NONE, OPEN, SeenCell};
 pub use field::Rgb;
-pub use glance::{Cell, Feature, SunSeen};
+pub use glance::{Feature, SunSeen, WindowSeen};
 pub use matrix::{Groups, Paths, Rows};
 pub use picture::{Accumulated, Picture};
 pub use sensor::{Estimate, Sensor};
