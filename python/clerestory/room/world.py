@@ -6,12 +6,14 @@ import inspect
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from clerestory import _core
+from clerestory.npz import encode
 from clerestory.photometry import EFFICACY
 from clerestory.room.builder import Quads, build
 from clerestory.room.files import Found, take
@@ -58,8 +60,10 @@ class WindowOf:
 class Room:
     """A room with windows under a sky: made by `load`."""
 
-    def __init__(self, recipe: Recipe, folder: str | os.PathLike[str] = ".") -> None:
+    def __init__(self, recipe: Recipe, folder: str | os.PathLike[str] = ".", *, in_windows: Bsdf | None = None) -> None:
         """From a recipe; files that it names are relative to `folder`.
+
+        A data set `in_windows` stands in all windows in place of the recipe's systems.
 
         Raises
         ------
@@ -68,6 +72,7 @@ class Room:
         """
         self.recipe = recipe
         self.folder = Path(folder)
+        self._in_windows = in_windows
         self.warnings: list[str] = []
         """What is surprising, but can be."""
         self.sky: Sky = _sky(recipe)
@@ -102,8 +107,10 @@ class Room:
                 hint = suggestion(window.system, known) if known else f"add [systems.{window.system}]"
                 raise RecipeError(f"window {window.name}: there is no system {window.system!r} ({hint})")
             if window.system not in self._bsdfs:
-                self._bsdfs[window.system] = system_of(
-                    self._systems[window.system], f"systems.{window.system}", self.folder
+                self._bsdfs[window.system] = (
+                    system_of(self._systems[window.system], f"systems.{window.system}", self.folder)
+                    if in_windows is None
+                    else (in_windows, _GREY)
                 )
         if not self.windows:
             self.warnings.append("the room has no window: daylight enters through openings of the geometry only")
@@ -120,7 +127,8 @@ class Room:
     @property
     def files(self) -> list[Path]:
         """Files of data sets that it scatters by: of windows, and of materials."""
-        named = [system.file for key, system in self._systems.items() if key in self._bsdfs]
+        used = self._bsdfs if self._in_windows is None else ()
+        named = [system.file for key, system in self._systems.items() if key in used]
         named += [getattr(material, "file", None) for material in self.recipe.materials.values()]
         return [self.folder / name for name in named if name is not None]
 
@@ -129,7 +137,10 @@ class Room:
         specs = [(name, spec.kind, spec.numbers, spec.parts) for name, spec in self._specs.items()]
         windows = [(w.name, w.corners.tolist(), self._systems[w.system].model_dump(), w.up) for w in self.windows]
         outside = [self.recipe.sky.model_dump(), self.recipe.place and self.recipe.place.model_dump()]
-        return [self._shapes.mark(), self._surfaces, specs, self._media, windows, self._lights, outside]
+        made = [self._shapes.mark(), self._surfaces, specs, self._media, windows, self._lights, outside]
+        if self._in_windows is not None:
+            made.append(sha256(encode(self._in_windows)).hexdigest())
+        return made
 
     def view(self, name: str) -> keys.View:
         """One of its views.
@@ -302,9 +313,6 @@ class Room:
 
     def described(self) -> tuple[bytes, list[object]]:
         """All that its light depends on but for systems and sky: shapes; surfaces, materials, media, windows."""
-        from hashlib import sha256
-
-        from clerestory.npz import encode
 
         def plain(spec: Spec) -> object:
             data = None if spec.data is None else (sha256(encode(spec.data[0])).hexdigest(), *spec.data[1:])
