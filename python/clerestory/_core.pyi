@@ -82,6 +82,16 @@ class Bsdf:
     def peaks(
         self, incident: _Floats, band: str | None, scatter_name: str
     ) -> list[tuple[int, _Triple, float, float]]: ...
+    def gather(
+        self,
+        incident: _Floats,
+        irradiance: _Floats,
+        group: _Indices,
+        groups: int,
+        outgoing: _Floats,
+        band: str | None,
+        scatter_name: str,
+    ) -> _Singles: ...
     def resolution(self, incident: _Floats, band: str | None, scatter_name: str) -> _Floats: ...
     def with_components(self, parts: list[tuple[str, Side, Scatter, Model]]) -> Bsdf: ...
     def flipped(self) -> Bsdf: ...
@@ -302,7 +312,7 @@ class SkyPatches:
         part: str,
         disc_deg: float | None,
         mean: bool,
-    ) -> NDArray[np.float32]: ...
+    ) -> _Singles: ...
 
 class System:
     @staticmethod

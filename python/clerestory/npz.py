@@ -8,6 +8,7 @@ type and length, and a file that holds anything else is refused.
 
 from __future__ import annotations
 
+import hashlib
 import io
 import json
 import re
@@ -79,6 +80,11 @@ def load(path: str | os.PathLike[str]) -> Bsdf:
         return _Reader(data).bsdf()
     except _core.ClerestoryError as error:
         raise _core.FileFormatError(f"{path}: {error}") from error
+
+
+def mark(bsdf: Operations) -> str:
+    """SHA-256 of all that a data set holds, as hexadecimal digits."""
+    return hashlib.sha256(encode(bsdf)).hexdigest()
 
 
 def encode(bsdf: Operations) -> bytes:

@@ -4,11 +4,14 @@ import numpy as np
 import pytest
 
 from clerestory import Bsdf, Model, room
+from clerestory.annual.arrivals import Arrivals
 from clerestory.annual.cache import Cache
 from clerestory.annual.matrices import RoomMatrices
 from clerestory.annual.phases import Transfer, leaving
+from clerestory.annual.year import RoomYear, Sampling
 from clerestory.photometry import EFFICACY, LUMINANCE
 from clerestory.sky import SkyPatches
+from clerestory.weather import SkyYear, read_weather
 from samples import ABSENT, sample_root
 
 ROOM = {
@@ -67,3 +70,40 @@ def test_what_windows_return_is_missed_without_it(tmp_path):
     tables = ROOM | {"systems": {"window": {"file": str(tmp_path / "film.bsdf.npz")}}}
     found, paths = products(tables, tmp_path, returns=False)
     assert found.mean() < 0.97 * paths.mean()
+
+
+WEA = """place Innsbruck
+latitude 47.3
+longitude -11.4
+time_zone -15
+site_elevation 600
+weather_data_file_units 1
+3 21 9.5 {direct} 200
+3 21 12.5 {direct} 300
+"""
+
+
+@pytest.mark.parametrize("direct", [0, 500])
+def test_daylight_coefficients(tmp_path, direct):
+    (tmp_path / "day.wea").write_text(WEA.format(direct=direct))
+    made = room.load(ROOM | {"systems": {"window": {"glass": 0.7}}})
+    points, normals = made.sensors("plane")
+    arrivals = Arrivals(
+        RoomMatrices(made, cache=Cache(tmp_path / "cache")), SkyYear(read_weather(tmp_path / "day.wea"))
+    )
+    systems = {"glass": [made.system("window")]}
+    found = {}
+    for method in ("2-phase", "5-phase"):
+        year = RoomYear(arrivals, points, normals, method=method, sampling=Sampling(view=4096))
+        ((_, part),) = year.of(systems)
+        found[method] = part.illuminance
+    year = RoomYear(arrivals, points, normals, method="2-phase", sampling=Sampling(view=4096))
+    skies = arrivals.sky.columns()
+    by_hand = EFFICACY * year.coefficients(systems["glass"]).all @ skies
+    assert np.allclose(found["2-phase"], by_hand.T, rtol=1e-4)
+    if direct == 0:
+        assert np.allclose(found["2-phase"], found["5-phase"], rtol=1e-3)
+    else:
+        # The sun is spread over ten degrees: its edges on the plane are blurred, its light is all there.
+        assert found["2-phase"].mean() == pytest.approx(found["5-phase"].mean(), rel=0.2)
+        assert not np.allclose(found["2-phase"], found["5-phase"], rtol=0.1)

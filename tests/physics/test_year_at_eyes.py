@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from clerestory import Bsdf, Model, room
+from clerestory.annual.arrivals import Arrivals
 from clerestory.annual.cache import Cache
 from clerestory.annual.matrices import RoomMatrices
 from clerestory.annual.year import RoomYear, Sampling
@@ -64,8 +65,9 @@ def test_a_step_is_the_moment(tmp_path, name):
     made = room.load(tables)
     view = made.view("desk")
     matrices = RoomMatrices(made, cache=Cache(tmp_path / "cache"))
-    sampling = Sampling(view=32768, daylight=8192)
-    year = RoomYear(matrices, sky, eyes={"desk": (view.point_m, view.direction)}, sampling=sampling)
+    sampling = Sampling(view=32768, returned=8192)
+    arrivals = Arrivals(matrices, sky, samples=8192)
+    year = RoomYear(arrivals, eyes={"desk": (view.point_m, view.direction)}, sampling=sampling)
     ((_, part),) = year.of({name: [made.system("window")]})
     found = part.eyes["desk"]
     altitude, azimuth = weather.sun_positions("spa")

@@ -101,6 +101,20 @@ def test_a_plan_computes_nothing(study, capsys):
     assert not (study / "cache").exists()
 
 
+def test_critical_moments(study, capsys):
+    out = study / "moments"
+    assert run(study / "study.toml", "-o", out, "--cache", study / "cache", "--critical", "--json") == 0
+    found = json.loads(capsys.readouterr().out)["moments"]
+    # Dark glass has none, and neither has the grey day.
+    assert {moment["data_set"] for moment in found} == {"clear"}
+    for moment in found:
+        assert moment["time"].startswith("2001-03-20")
+        assert moment["dgp"] >= 0.35
+        assert moment["cause"] == "bright"
+    assert sum(moment["hours"] for moment in found) >= 3.0
+    assert len((out / "moments.csv").read_text().splitlines()) == 1 + len(found)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [

@@ -1,8 +1,9 @@
 //! Data sets: the operations on arrays of directions.
 
+use clerestory::bsdf::gather::{Light, gather};
 use clerestory::bsdf::{Band, Bsdf, LobeSample, Lobes, Metadata, Part, Region, Scatterer, Turn};
 use clerestory::direction::{Direction, Scatter, Side};
-use numpy::{PyArray1, PyArray2, PyReadonlyArray2, ToPyArray};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
@@ -321,6 +322,57 @@ impl PyBsdf {
             }
         }
         Ok(rows)
+    }
+
+    /// Scattered radiance (m, groups) of outgoing directions (m) by lights that give `irradiance` (n) to the sample's
+    /// plane from incident directions (n) of one side, summed in their `group` (n).
+    #[allow(clippy::too_many_arguments)]
+    fn gather<'py>(
+        &self,
+        py: Python<'py>,
+        incident: PyReadonlyArray2<'py, f64>,
+        irradiance: Vec<f64>,
+        group: Vec<usize>,
+        groups: usize,
+        outgoing: PyReadonlyArray2<'py, f64>,
+        band: Option<&str>,
+        scatter_name: &str,
+    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let (incident, outgoing) = (directions(&incident, "incident")?, directions(&outgoing, "outgoing")?);
+        same_length(incident.len(), irradiance.len())?;
+        same_length(incident.len(), group.len())?;
+        if let Some(wrong) = group.iter().find(|&&g| g >= groups) {
+            return Err(ClerestoryError::new_err(format!(
+                "group {wrong} is not one of {groups} (count them from 0)"
+            )));
+        }
+        let rows = outgoing.len();
+        let mut values = vec![0.0; rows * groups];
+        if let Some(side) = incident.first().map(|d| d.side()) {
+            if incident.iter().any(|d| d.side() != side) {
+                return Err(ClerestoryError::new_err(
+                    "incident directions of both sides (give those of one)",
+                ));
+            }
+            let model = self
+                .0
+                .component(band, side, scatter(scatter_name)?)
+                .map_err(raise)?
+                .component;
+            let lights: Vec<Light> = incident
+                .iter()
+                .zip(irradiance)
+                .zip(group)
+                .map(|((d, irradiance), group)| Light {
+                    incident: d.incident_disk(),
+                    irradiance,
+                    group,
+                })
+                .collect();
+            let outgoing: Vec<_> = outgoing.iter().map(|d| d.outgoing_disk()).collect();
+            values = py.detach(|| gather(&*model, &lights, groups, &outgoing));
+        }
+        PyArray1::from_vec(py, values).reshape([rows, groups])
     }
 
     /// Full angle below which detail is not resolved (n), radians.

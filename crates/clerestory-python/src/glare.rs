@@ -273,7 +273,7 @@ pub fn rate_glare_hours<'py>(
         .into_iter()
         .map(|d| Vec3::new(d[0], d[1], d[2]))
         .collect();
-    let elements = Elements::new(view.0, &directions, solid_angles.as_slice()?).map_err(raise)?;
+    let elements = Elements::new(view.0, &directions, solid_angles.as_slice()?, &settings).map_err(raise)?;
     let (lights, illuminances) = (lights.as_array(), illuminances.as_slice()?);
     let hours = illuminances.len();
     if luminances.shape() != [hours, directions.len()] || lights.dim() != (hours, 5) {
@@ -299,7 +299,7 @@ pub fn rate_glare_hours<'py>(
                     }
                     let lights = if light.luminance > 0.0 { &[light][..] } else { &[] };
                     let here = &luminances[hour * count..(hour + 1) * count];
-                    let (_, rated) = elements.rate(here, lights, illuminances[hour], &settings)?;
+                    let (_, rated) = elements.rate(here, lights, illuminances[hour])?;
                     Ok(indices(&rated))
                 })
                 .collect::<clerestory::Result<_>>()

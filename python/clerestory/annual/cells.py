@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from clerestory.annual.matrices import Apertures, RoomMatrices
-    from clerestory.annual.points import Light
+    from clerestory.annual.arrivals import Light
+    from clerestory.annual.matrices import RoomMatrices
     from clerestory.bsdf import Bsdf
 
     Doubles = NDArray[np.float64]
@@ -91,14 +91,7 @@ def _scattered(bsdf: Bsdf, band: str | None, basis: _core.Basis, outgoing: Doubl
     patch = basis.patch_of(np.ascontiguousarray(incident[:, :2]))
     # Each point stands for an equal part of its patch.
     area = np.asarray(basis.projected_solid_angles())[patch] / np.bincount(patch, minlength=len(basis))[patch]
-    found = np.zeros((len(outgoing), len(basis)), dtype=np.float32)
-    order = np.argsort(patch, kind="stable")
-    first = np.searchsorted(patch[order], np.arange(len(basis)))
-    for start in range(0, len(outgoing), 256):
-        part = slice(start, start + 256)
-        values = bsdf.evaluate(-incident[order][None, :, :], outgoing[part, None, :], band)
-        found[part] = np.add.reduceat(np.maximum(values, 0.0) * area[order], first, axis=1)
-    return found
+    return bsdf._core.gather(-incident, area, patch, len(basis), np.ascontiguousarray(outgoing), band, "transmission")
 
 
 @dataclass(frozen=True)
@@ -113,59 +106,61 @@ class CellLight:
     """(points, steps) on a plane that faces the sun, of the sun that is seen through windows."""
 
 
-class SeenWindows:
-    """What points see of the windows' cells.
+class SeenCells:
+    """Cells of the windows' directions that points see; the same for all data sets.
 
     Parameters
     ----------
+    matrices
+        Of the room.
     points, normals
         (n, 3) [m], and (n, 3) of length 1.
-    seen
-        What they see, by the same steps as `through`.
-    through
-        The sun through the windows.
+    steps
+        Cells along each axis of the square.
+    """
+
+    def __init__(self, matrices: RoomMatrices, points: Doubles, normals: Doubles, steps: int) -> None:
+        from scipy.sparse import csr_array
+
+        seen = matrices.apertures(points, normals, steps, parts=4)
+        self.matrices, self.steps = matrices, steps
+        self.points, self.normals = points, normals
+        self.numbers, columns = np.unique(seen.number, return_inverse=True)
+        """Of the cells that any point sees."""
+        self.weights = csr_array((seen.projected, columns, seen.first), shape=(len(points), len(self.numbers)))
+        """(points, cells) projected solid angle that each is seen under [sr]."""
+
+
+class SeenWindows:
+    """What points see of the windows' cells with one choice of systems.
+
+    Parameters
+    ----------
+    cells
+        What the points see.
+    systems
+        Data set of each group.
     sky
         Patches of the sky.
     """
 
-    def __init__(
-        self, points: Doubles, normals: Doubles, seen: Apertures, through: SunThrough, sky: _core.SkyPatches
-    ) -> None:
-        from scipy.sparse import csr_array
-
-        self.points, self.normals = points, normals
-        self.through = through
-        self.numbers, self.columns = np.unique(seen.number, return_inverse=True)
-        """Of the cells that any point sees, and the place of each seen cell among them."""
-        self.sky = SkyThrough.of(through, self.numbers, sky)
-        self._weights = csr_array((seen.projected, self.columns, seen.first), shape=(len(points), len(self.numbers)))
-
-    @classmethod
-    def of(
-        cls,
-        matrices: RoomMatrices,
-        systems: Sequence[Bsdf],
-        points: Doubles,
-        normals: Doubles,
-        steps: int,
-        sky: _core.SkyPatches,
-    ) -> SeenWindows:
-        """In cells of `steps` along each axis of the square."""
-        seen = matrices.apertures(points, normals, steps, parts=4)
-        return cls(points, normals, seen, SunThrough(matrices, tuple(systems), steps), sky)
+    def __init__(self, cells: SeenCells, systems: Sequence[Bsdf], sky: _core.SkyPatches) -> None:
+        self.cells = cells
+        self.through = SunThrough(cells.matrices, tuple(systems), cells.steps)
+        self.sky = SkyThrough.of(self.through, cells.numbers, sky)
 
     def from_cells(self, radiance: Floats) -> Doubles:
         """Irradiance (points, steps) by the radiance of cells (cells, steps)."""
-        return np.asarray(self._weights @ radiance, dtype=np.float64)
+        return np.asarray(self.cells.weights @ radiance, dtype=np.float64)
 
     def light(self, light: Light) -> CellLight:
         """What the cells and the sun send at some steps."""
         return CellLight(
             self.sky.radiance(light.diffuse, light.sky),
-            self.through.radiance(self.numbers, light.suns, light.irradiance).T,
-            self.through.through(self.points, light.suns, light.irradiance),
+            self.through.radiance(self.cells.numbers, light.suns, light.irradiance),
+            self.through.through(self.cells.points, light.suns, light.irradiance),
         )
 
     def irradiance_of_sun(self, light: Light, cells: CellLight) -> Doubles:
         """Irradiance (points, steps) that the sun gives directly through the windows."""
-        return self.from_cells(cells.sun) + cells.straight * np.maximum(self.normals @ light.suns.T, 0.0)
+        return self.from_cells(cells.sun) + cells.straight * np.maximum(self.cells.normals @ light.suns.T, 0.0)

@@ -18,10 +18,11 @@ import numpy as np
 from clerestory._core import ClerestoryError, __version__
 from clerestory.annual import en17037, lm83
 from clerestory.annual.metrics import UDI_NAMES
-from clerestory.whole import write_whole
+from clerestory.whole import whole_file, write_whole
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Iterable, Sequence
 
     import xarray
     from numpy.typing import ArrayLike, NDArray
@@ -184,6 +185,39 @@ def save(made: xarray.Dataset, path: str | os.PathLike[str]) -> None:
     else:
         what = f"ends in {suffix}, which is not known" if suffix else "has no suffix"
         raise ClerestoryError(f"{path}: the name of results {what} (give {', '.join(SUFFIXES)})")
+
+
+def save_filled(
+    made: xarray.Dataset,
+    path: str | os.PathLike[str],
+    name: str,
+    dims: Sequence[str],
+    parts: Iterable[tuple[tuple[int | slice, ...], NDArray[np.float32]]],
+) -> None:
+    """Writes netCDF as `save`, with a variable of `VARIABLES` more that comes part by part.
+
+    Parameters
+    ----------
+    made
+        The rest; it has all the coordinates.
+    name, dims
+        Of the variable.
+    parts
+        Where in it some values are, and these.
+    """
+    import h5netcdf
+
+    with whole_file(path) as temporary:
+        made.to_netcdf(temporary, engine="h5netcdf", encoding=_encoding(made))
+        with h5netcdf.File(temporary, "a") as file:
+            shape = tuple(made.sizes[dim] for dim in dims)
+            pieces = tuple(min(length, 256) for length in shape)
+            values = file.create_variable(
+                name, tuple(dims), np.float32, chunks=pieces, compression="gzip", compression_opts=1, shuffle=True
+            )
+            values.attrs.update(_attributes(name))
+            for where, some in parts:
+                values[where] = some
 
 
 def _encoding(made: xarray.Dataset) -> dict[str, dict[str, Any]]:

@@ -91,7 +91,8 @@ class RoomMatrices:
         """Name of the system of each group."""
         self._bare = room.bare()
         self._groups = _core.WindowGroups(self._bare, self.of_window, self.basis._core)
-        self._key = {"room": digest(*room.described()), "groups": self.of_window, "seed": seed}
+        self.key: dict[str, object] = {"room": digest(*room.described()), "groups": self.of_window, "seed": seed}
+        """What they depend on."""
 
     @staticmethod
     def systems_of(room: Room) -> list[str]:
@@ -161,7 +162,7 @@ class RoomMatrices:
                 parts.append(_photopic(made))
             return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
-        return Matrix(**self.cache.get("picture", {**self._key, **key}, compute))
+        return Matrix(**self.cache.get("picture", {**self.key, **key}, compute))
 
     def returned(self, group: int, *, samples: int = 4096) -> Matrix:
         """Mean radiance from the room at a group's windows by patches of interior light (rows), by that of patches."""
@@ -190,7 +191,7 @@ class RoomMatrices:
             made = self._groups.apertures(np.ascontiguousarray(points), np.ascontiguousarray(normals), steps, parts)
             return dict(zip(names, made, strict=True))
 
-        return Apertures(**self.cache.get("apertures", {**self._key, **key}, compute))
+        return Apertures(**self.cache.get("apertures", {**self.key, **key}, compute))
 
     def outlooks(self, points: NDArray[np.float64], directions: NDArray[np.float64]) -> NDArray[np.int64]:
         """Group of the windows through which points (n, 3) see directions (m, 3); -1 for none, -2 where nothing is met.
@@ -218,7 +219,7 @@ class RoomMatrices:
         return groups[windows]
 
     def _of(self, kind: str, key: dict[str, object], compute: Callable[[], tuple[Floats, Floats, Floats]]) -> Matrix:
-        return Matrix(**self.cache.get(kind, {**self._key, **key}, lambda: _photopic(compute())))
+        return Matrix(**self.cache.get(kind, {**self.key, **key}, lambda: _photopic(compute())))
 
 
 def _photopic(made: tuple[Floats, Floats, Floats]) -> dict[str, Floats]:

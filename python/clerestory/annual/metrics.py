@@ -66,6 +66,13 @@ class PointMetrics:
         return int(found[0])
 
 
+def joined(parts: Sequence[PointMetrics]) -> PointMetrics:
+    """Metrics of the points of several, over the same hours, one after another."""
+    arrays = ("autonomy", "continuous_autonomy", "useful", "exposure", "highest")
+    together = {name: np.concatenate([getattr(part, name) for part in parts], axis=-1) for name in arrays}
+    return PointMetrics(parts[0].hours, parts[0].thresholds, **together)
+
+
 class PointYear:
     """Collects the metrics of points from pieces of a year, so that the whole of it is never in memory."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,37 +11,12 @@ from clerestory.photometry import EFFICACY
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from clerestory.annual.arrivals import Light
     from clerestory.annual.cells import CellLight, SeenWindows
     from clerestory.annual.matrices import Matrix
 
     Doubles = NDArray[np.float64]
     Floats = NDArray[np.float32]
-
-
-@dataclass(frozen=True)
-class Light:
-    """What comes from outside at some steps."""
-
-    sky: Floats
-    """(patches of the sky, steps) radiance without the sun."""
-    diffuse: Floats
-    """(groups · patches, steps) radiance that arrives at windows, but for the sun's that has met nothing."""
-    directly: Floats
-    """(groups · patches, steps) the sun's that has met nothing, spread over patches."""
-    suns: Doubles
-    """(steps, 3) toward the sun."""
-    irradiance: Doubles
-    """(steps) of a plane that faces it."""
-
-    @property
-    def steps(self) -> int:
-        """How many."""
-        return len(self.irradiance)
-
-    @property
-    def arrives(self) -> Floats:
-        """(groups · patches, steps) all that arrives at windows."""
-        return self.diffuse + self.directly
 
 
 class Lit:

@@ -11,7 +11,7 @@ from clerestory.annual import dataset, en17037, lm83
 from clerestory.annual.frequencies import DGI_CLASSES, DGP_CLASSES, class_shares
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -66,7 +66,6 @@ def write(study: Study, outcomes: Sequence[Outcome], folder: Path) -> list[Path]
     variables: dict[str, tuple[tuple[str, ...], Any]] = {}
     coords: dict[str, Any] = {"data_set": names}
     if len(study.points):
-        variables["illuminance"] = (("data_set", "time", "point"), np.stack([o.illuminance for o in outcomes]))
         coords |= {axis: ("point", study.points[:, k]) for k, axis in enumerate("xyz")}
     for variable, key in (("eye_illuminance", "illuminance"), ("dgp", "dgp"), ("dgi", "dgi")):
         if study.views:
@@ -74,7 +73,12 @@ def write(study: Study, outcomes: Sequence[Outcome], folder: Path) -> list[Path]
             variables[variable] = (("data_set", "view", "time"), np.array(series))
             coords["view"] = study.views
     path = folder / "results.nc"
-    dataset.save(dataset.by_time(study.weather, variables, **coords), path)
+    made_by_time = dataset.by_time(study.weather, variables, **coords)
+    if len(study.points):
+        dims = ("data_set", "time", "point")
+        dataset.save_filled(made_by_time, path, "illuminance", dims, _illuminances(study, names))
+    else:
+        dataset.save(made_by_time, path)
     made.append(path)
     for outcome in outcomes:
         for name, metrics in outcome.metrics.items():
@@ -89,6 +93,13 @@ def write(study: Study, outcomes: Sequence[Outcome], folder: Path) -> list[Path]
         style.save(figure, path)
         made.append(path)
     return made
+
+
+def _illuminances(study: Study, names: Sequence[str]) -> Iterator[tuple[tuple[int, slice, slice], NDArray[np.float32]]]:
+    """Of all data sets, steps and points, with their places."""
+    for block, name, part in study.parts():
+        if not block.views:
+            yield (names.index(name), part.steps, block.points), part.illuminance
 
 
 def _figures(study: Study, outcomes: Sequence[Outcome]) -> list[tuple[str, Any]]:

@@ -99,7 +99,7 @@ class SunThrough:
     band: str | None = None
 
     def radiance(self, numbers: NDArray[np.int64], suns: Doubles, irradiance: Doubles) -> Floats:
-        """Radiance (steps, cells) of cells of the windows, without beams.
+        """Radiance (cells, steps) of cells of the windows, without beams.
 
         Parameters
         ----------
@@ -109,7 +109,7 @@ class SunThrough:
             Unit vectors (steps, 3) toward the sun in the world, and what it gives to a plane that faces it (steps).
         """
         cells = _core.square_directions(self.steps)
-        found = np.zeros((len(suns), len(numbers)), dtype=np.float32)
+        found = np.zeros((len(numbers), len(suns)), dtype=np.float32)
         for group, bsdf in enumerate(self.systems):
             frame = self.matrices.frame(group)
             incident = suns @ frame.T
@@ -119,9 +119,11 @@ class SunThrough:
                 continue
             lit = self._lit(group, suns[facing])
             outgoing = cells[numbers[here] % self.steps**2]
-            values = bsdf.evaluate(incident[facing, None, :], outgoing[None, :, :], self.band)
             falls = -incident[facing, 2] * irradiance[facing] * lit
-            found[np.ix_(facing, here)] = np.maximum(values, 0.0) * falls[:, None]
+            apart = np.arange(len(facing))
+            found[np.ix_(here, facing)] = bsdf._core.gather(
+                incident[facing], falls, apart, len(facing), outgoing, self.band, "transmission"
+            )
         return found
 
     def beams(self, group: int, suns: Doubles) -> Doubles:

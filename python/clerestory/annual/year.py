@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from clerestory._core import ClerestoryError
-from clerestory.annual.cells import SeenWindows
+from clerestory.annual.cache import digest
+from clerestory.annual.cells import SeenCells, SeenWindows
+from clerestory.annual.coefficients import Coefficients
 from clerestory.annual.glare import rate
 from clerestory.annual.phases import Transfer, leaving
-from clerestory.annual.points import Light, Lit
+from clerestory.annual.points import Lit
 from clerestory.annual.sun import Eye
 from clerestory.glare import Settings
+from clerestory.npz import mark
 from clerestory.photometry import EFFICACY
 
 if TYPE_CHECKING:
@@ -21,17 +25,20 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from clerestory.annual.matrices import RoomMatrices
+    from clerestory.annual.arrivals import Arrivals, Light
+    from clerestory.annual.cache import Arrays
+    from clerestory.annual.matrices import Matrix
     from clerestory.bsdf import Bsdf
-    from clerestory.weather import SkyYear
 
     Doubles = NDArray[np.float64]
     Floats = NDArray[np.float32]
 
-Method = Literal["3-phase", "5-phase"]
-METHODS: tuple[Method, ...] = ("3-phase", "5-phase")
+Method = Literal["2-phase", "3-phase", "5-phase"]
+METHODS: tuple[Method, ...] = ("2-phase", "3-phase", "5-phase")
 INDICES = ("dgp", "dgi", "ugr", "dgps")
 """Indices that are kept of each eye."""
+EYE = ("illuminance", *INDICES)
+"""All that is kept of each eye."""
 
 
 @dataclass(frozen=True)
@@ -40,8 +47,8 @@ class Sampling:
 
     view: int = 8192
     """Paths of a point."""
-    daylight: int = 4096
-    """Paths of a patch of the windows, into the room and out of it."""
+    returned: int = 4096
+    """Paths of a patch of the windows into the room."""
     cells: int = 64
     """Cells along each axis of the square of the windows' directions for points."""
     eye_cells: int = 128
@@ -69,16 +76,14 @@ class RoomYear:
 
     Parameters
     ----------
-    matrices
-        Of the room.
-    sky
-        The skies, with as many steps as the weather has.
+    arrivals
+        What arrives at the windows of a room.
     points, normals
         Where illuminance is asked for (n, 3) [m], and where these points face (n, 3); none by default.
     eyes
         Point [m] and line of sight by name.
     method
-        `3-phase`, or `5-phase` with the direct sun at the data set's resolution.
+        `2-phase` by daylight coefficients, `3-phase`, or `5-phase` with the direct sun at the data set's resolution.
     sampling
         How finely.
     settings
@@ -87,8 +92,7 @@ class RoomYear:
 
     def __init__(
         self,
-        matrices: RoomMatrices,
-        sky: SkyYear,
+        arrivals: Arrivals,
         points: Doubles | None = None,
         normals: Doubles | None = None,
         eyes: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None,
@@ -99,26 +103,38 @@ class RoomYear:
     ) -> None:
         if method not in METHODS:
             raise ClerestoryError(f"a method {method!r} is not known (known: {', '.join(METHODS)})")
-        self.matrices = matrices
-        self.sky = sky
+        self.arrivals = arrivals
+        self.matrices = arrivals.matrices
         self.method = method
         self.sampling = sampling or Sampling()
         self.settings = settings or Settings()
-        if method == "3-phase" and eyes:
+        if method != "5-phase" and eyes:
             raise ClerestoryError("glare needs the sun at a data set's resolution (give the method 5-phase)")
         nowhere = np.zeros((0, 3))
         self._points = nowhere if points is None else np.asarray(points, dtype=np.float64)
         given = nowhere if normals is None else np.asarray(normals, dtype=np.float64)
         self._normals = given / np.linalg.norm(given, axis=1, keepdims=True)
-        steps = self.sampling.eye_cells
-        self._eyes = {name: Eye.of(matrices, at, towards, steps) for name, (at, towards) in (eyes or {}).items()}
-        if not len(self._points) and not self._eyes:
+        self._lines = dict(eyes or {})
+        if not len(self._points) and not self._lines:
             raise ClerestoryError("there are neither points nor eyes (give sensors or views)")
 
+    @property
+    def chunks(self) -> list[slice]:
+        """Steps that are found together."""
+        size, count = self.sampling.chunk, len(self.arrivals)
+        return [slice(first, min(first + size, count)) for first in range(0, count, size)]
+
     def of(
-        self, data_sets: Mapping[str, Sequence[Bsdf]], progress: Callable[[float], object] | None = None
+        self,
+        data_sets: Mapping[str, Sequence[Bsdf]],
+        progress: Callable[[float], object] | None = None,
+        *,
+        when: Mapping[str, NDArray[np.bool_]] | None = None,
+        steps: Sequence[slice] | None = None,
     ) -> Iterator[tuple[str, Part]]:
         """The year with one data set after another, part by part; each part of all of them before the next.
+
+        A part that was found before is taken from the cache.
 
         Parameters
         ----------
@@ -126,62 +142,117 @@ class RoomYear:
             What stands in each group of windows, by name; beams are as they are (see `Bsdf.separate_peaks`).
         progress
             Called with the share that is done.
+        when
+            The steps (n) that are asked for of some data sets; the others are as dark as the night.
+        steps
+            Which of `chunks`; all by default.
         """
-        matrices, sampling = self.matrices, self.sampling
-        groups = range(len(matrices))
         for name, systems in data_sets.items():
-            if len(systems) != len(matrices):
+            if len(systems) != len(self.matrices):
                 raise ClerestoryError(
-                    f"{name}: {len(systems)} systems for {len(matrices)} groups of windows (give one each)"
+                    f"{name}: {len(systems)} systems for {len(self.matrices)} groups of windows (give one each)"
                 )
-        daylight = [matrices.daylight(g, self.sky.patches, samples=sampling.daylight) for g in groups]
-        returned = [matrices.returned(g, samples=sampling.daylight).all for g in groups]
-        prepared = {name: self._prepared(systems, returned) for name, systems in data_sets.items()}
-        suns, irradiance, is_lit = self.sky.suns.directions, self.sky.suns.irradiance, self.sky.is_lit
-        for first in range(0, len(suns), sampling.chunk):
-            part = slice(first, min(first + sampling.chunk, len(suns)))
-            lit = np.flatnonzero(is_lit[part])
-            sky = np.asarray(self.sky.columns(part, part="sky"), dtype=np.float32)[:, lit]
-            sun = np.asarray(self.sky.columns(part, part="sun"), dtype=np.float32)[:, lit]
-            light = Light(
-                sky=sky,
-                diffuse=np.concatenate([d.all @ sky + (d.all - d.direct) @ sun for d in daylight]),
-                directly=np.concatenate([d.direct @ sun for d in daylight]),
-                suns=suns[part][lit],
-                irradiance=irradiance[part][lit],
-            )
-            for name, (points, eyes) in prepared.items():
-                yield name, self._part(part, lit, light, points, eyes)
+        marks = {name: [mark(bsdf) for bsdf in systems] for name, systems in data_sets.items()}
+        prepared: dict[str, tuple[Lit | Coefficients | None, _Eyes | None]] = {}
+        is_lit = self.arrivals.sky.is_lit
+        chunks = self.chunks if steps is None else steps
+        for done, part in enumerate(chunks, start=1):
+            for name, systems in data_sets.items():
+                lit = is_lit[part]
+                asked = lit & when[name][part] if when is not None and name in when else lit
+
+                def compute(
+                    part: slice = part,
+                    name: str = name,
+                    systems: Sequence[Bsdf] = systems,
+                    chosen: NDArray[np.bool_] = asked[lit],
+                ) -> Arrays:
+                    if name not in prepared:
+                        prepared[name] = self._prepared(systems)
+                    return self._computed(self.arrivals.at(part).of(chosen), *prepared[name])
+
+                key = self._key | {"systems": marks[name], "steps": [part.start, part.stop], "asked": digest(asked)}
+                found = self.matrices.cache.get("part", key, compute) if asked.any() else {}
+                yield name, self._part(part, np.flatnonzero(asked), found)
             if progress is not None:
-                progress(part.stop / len(suns))
+                progress(done / len(chunks))
 
-    def _prepared(self, systems: Sequence[Bsdf], returned: Sequence[Floats]) -> tuple[Lit | None, _Eyes | None]:
+    @cached_property
+    def _key(self) -> dict[str, object]:
+        """What parts depend on, but for systems and steps."""
+        lines = [[[float(x) for x in v] for v in line] for line in self._lines.values()]
+        where = {"points": digest(self._points, self._normals), "eyes": lines}
+        how = {"method": self.method, "sampling": asdict(self.sampling), "glare": asdict(self.settings)}
+        return self.matrices.key | self.arrivals.key | where | how | {"basis": self.matrices.basis.name}
+
+    @cached_property
+    def _eyes(self) -> dict[str, Eye]:
+        steps = self.sampling.eye_cells
+        return {name: Eye.of(self.matrices, at, towards, steps) for name, (at, towards) in self._lines.items()}
+
+    @cached_property
+    def _returned(self) -> list[Floats]:
+        return [self.matrices.returned(g, samples=self.sampling.returned).all for g in range(len(self.matrices))]
+
+    @cached_property
+    def _cells(self) -> SeenCells:
+        return SeenCells(self.matrices, self._points, self._normals, self.sampling.cells)
+
+    @cached_property
+    def _eye_cells(self) -> SeenCells:
+        at, towards = (np.concatenate([getattr(e, key) for e in self._eyes.values()]) for key in ("point", "direction"))
+        return SeenCells(self.matrices, at, towards, self.sampling.eye_cells)
+
+    def _prepared(self, systems: Sequence[Bsdf]) -> tuple[Lit | Coefficients | None, _Eyes | None]:
         transfers = [Transfer.of(bsdf, self.matrices.basis) for bsdf in systems]
-        once, whole = leaving(transfers), leaving(transfers, returned)
+        once, whole = leaving(transfers), leaving(transfers, self._returned)
         points = self._of_points(systems, once, whole) if len(self._points) else None
-        return points, _Eyes(self, systems, transfers, once, whole) if self._eyes else None
+        return points, _Eyes(self, systems, transfers, once, whole) if self._lines else None
 
-    def _part(self, part: slice, lit: NDArray[np.int64], light: Light, points: Lit | None, eyes: _Eyes | None) -> Part:
+    def _computed(self, light: Light, points: Lit | Coefficients | None, eyes: _Eyes | None) -> Arrays:
+        """What is found at the steps of some light."""
+        made: Arrays = {}
+        if points is not None:
+            made["illuminance"], made["direct"] = points.illuminance(light)
+        if eyes is not None:
+            rated = eyes.rated(light)
+            made["eyes"] = np.array([[rated[name][index] for index in EYE] for name in self._lines])
+        return made
+
+    def _part(self, part: slice, lit: NDArray[np.int64], found: Arrays) -> Part:
         """Some steps, of which only the lit ones were computed."""
         count = part.stop - part.start
         illuminance, direct = (np.zeros((count, len(self._points)), dtype=np.float32) for _ in range(2))
-        if points is not None and len(lit):
-            illuminance[lit], direct[lit] = points.illuminance(light)
-        found: dict[str, dict[str, Doubles]] = {}
-        rated = eyes.rated(light) if eyes is not None and len(lit) else {}
-        for name in self._eyes:
-            found[name] = {"illuminance": np.zeros(count)} | {index: np.full(count, np.nan) for index in INDICES}
-            for index, values in rated.get(name, {}).items():
-                found[name][index][lit] = values
-        return Part(part, illuminance, direct, found)
+        if "illuminance" in found:
+            illuminance[lit], direct[lit] = found["illuminance"], found["direct"]
+        eyes: dict[str, dict[str, Doubles]] = {}
+        for k, name in enumerate(self._lines):
+            eyes[name] = {"illuminance": np.zeros(count)} | {index: np.full(count, np.nan) for index in INDICES}
+            if "eyes" in found:
+                for index, values in zip(EYE, found["eyes"][k], strict=True):
+                    eyes[name][index][lit] = values
+        return Part(part, illuminance, direct, eyes)
 
-    def _of_points(self, systems: Sequence[Bsdf], once: Floats, whole: Floats) -> Lit:
+    def coefficients(self, systems: Sequence[Bsdf]) -> Coefficients:
+        """Daylight coefficients of the points with one choice of systems, one of each group."""
+        transfers = [Transfer.of(bsdf, self.matrices.basis) for bsdf in systems]
+        return self._coefficients(systems, leaving(transfers), leaving(transfers, self._returned))
+
+    def _coefficients(self, systems: Sequence[Bsdf], once: Floats, whole: Floats) -> Coefficients:
+        seen = SeenWindows(self._cells, systems, self.arrivals.sky.patches._core)
+        return Coefficients(self.arrivals, self._view, once, whole, seen)
+
+    @property
+    def _view(self) -> Matrix:
+        return self.matrices.view(self._points, self._normals, samples=self.sampling.view)
+
+    def _of_points(self, systems: Sequence[Bsdf], once: Floats, whole: Floats) -> Lit | Coefficients:
+        if self.method == "2-phase":
+            return self._coefficients(systems, once, whole)
         seen = None
         if self.method == "5-phase":
-            seen = SeenWindows.of(
-                self.matrices, systems, self._points, self._normals, self.sampling.cells, self.sky.patches._core
-            )
-        return Lit(self.matrices.view(self._points, self._normals, samples=self.sampling.view), once, whole, seen)
+            seen = SeenWindows(self._cells, systems, self.arrivals.sky.patches._core)
+        return Lit(self._view, once, whole, seen)
 
 
 class _Eyes:
@@ -193,9 +264,9 @@ class _Eyes:
         matrices, sampling = year.matrices, year.sampling
         self._eyes = year._eyes
         self._settings = year.settings
-        at = np.concatenate([eye.point for eye in self._eyes.values()])
-        towards = np.concatenate([eye.direction for eye in self._eyes.values()])
-        self._seen = SeenWindows.of(matrices, systems, at, towards, sampling.eye_cells, year.sky.patches._core)
+        cells = year._eye_cells
+        at, towards = cells.points, cells.normals
+        self._seen = SeenWindows(cells, systems, year.arrivals.sky.patches._core)
         view = matrices.view(at, towards, samples=sampling.view)
         self._lit = Lit(view, once, whole, self._seen)
         # A beam of the sun is exact together with what it lights, which is one meeting more.
@@ -217,6 +288,6 @@ class _Eyes:
         found: dict[str, dict[str, Doubles]] = {}
         dark = np.full(light.steps, np.nan)
         for (name, eye), sun, at_eye in zip(self._eyes.items(), suns, illuminance, strict=True):
-            rated = rate(eye, self._seen.numbers, luminances, sun.scaled(EFFICACY), at_eye, self._settings)
+            rated = rate(eye, self._seen.cells.numbers, luminances, sun.scaled(EFFICACY), at_eye, self._settings)
             found[name] = {"illuminance": at_eye} | {index: rated.get(index, dark) for index in INDICES}
         return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -24,6 +25,10 @@ def annual(
         Path | None,
         typer.Option("--cache", metavar="FOLDER", help="Of matrices that are kept; $CLERESTORY_CACHE by default."),
     ] = None,
+    critical: Annotated[
+        bool,
+        typer.Option("--critical", help="Only find the critical moments: hours in which glare can occur, quickly."),
+    ] = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Only say what would be computed.")] = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -43,6 +48,9 @@ def annual(
         note(f"warning: {text}")
     if dry_run:
         _tell_plan(made, as_json=as_json)
+        return
+    if critical:
+        _tell_moments(made, output, as_json=as_json)
         return
     with progress("year") as tell:
         outcomes = made.run(tell)
@@ -90,6 +98,40 @@ def _of_views(found: list[dict[str, Any]]) -> list[list[str]]:
             level = str(values["en17037_glare"] or "below minimum")
             rows.append([str(record["data_set"]), name, at_eye, f"{values['dgp_exceeded_5']:.3f}", level])
     return rows
+
+
+def _tell_moments(study: Study, output: Path | None, *, as_json: bool) -> None:
+    from clerestory.annual.critical import moments, to_csv
+    from clerestory.whole import write_whole
+
+    with progress("coarse year") as tell:
+        found = moments(study, progress=tell)
+    path = None if output is None else output / "moments.csv"
+    if path is not None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, to_csv(found).encode())
+    if as_json:
+        print_json({"moments": [asdict(moment) for moment in found], "written": [] if path is None else [str(path)]})
+        return
+    if not found:
+        say(f"no hour with a DGP of 0.35 or more; {study.hours.words}")
+    else:
+        head = ["data set", "view", "time", "DGP", "cause", "sun (altitude, azimuth)", "stands for"]
+        rows = [
+            [
+                m.data_set,
+                m.view,
+                m.time,
+                f"{m.dgp:.2f}",
+                m.cause,
+                f"{m.sun_altitude_deg:.0f}°, {m.sun_azimuth_deg:.0f}°",
+                f"{m.hours:.0f} h",
+            ]
+            for m in found
+        ]
+        say(table(head, rows, left=3))
+    if path is not None:
+        say(f"wrote {path}")
 
 
 def _tell_plan(study: Study, *, as_json: bool) -> None:

@@ -6,14 +6,13 @@ import inspect
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from clerestory import _core
-from clerestory.npz import encode
+from clerestory.npz import mark
 from clerestory.photometry import EFFICACY
 from clerestory.room.builder import Quads, build
 from clerestory.room.files import Found, take
@@ -139,7 +138,7 @@ class Room:
         outside = [self.recipe.sky.model_dump(), self.recipe.place and self.recipe.place.model_dump()]
         made = [self._shapes.mark(), self._surfaces, specs, self._media, windows, self._lights, outside]
         if self._in_windows is not None:
-            made.append(sha256(encode(self._in_windows)).hexdigest())
+            made.append(mark(self._in_windows))
         return made
 
     def view(self, name: str) -> keys.View:
@@ -315,7 +314,7 @@ class Room:
         """All that its light depends on but for systems and sky: shapes; surfaces, materials, media, windows."""
 
         def plain(spec: Spec) -> object:
-            data = None if spec.data is None else (sha256(encode(spec.data[0])).hexdigest(), *spec.data[1:])
+            data = None if spec.data is None else (mark(spec.data[0]), *spec.data[1:])
             return [spec.kind, spec.numbers, data, spec.parts]
 
         materials = [(name, plain(spec)) for name, spec in self._specs.items()]

@@ -5,12 +5,14 @@
 //! * The models: [`Matrix`] on any pair of angle bases, tensor [`Tree`], [`analytic`] ones, measured [`Beam`]s, [`Sum`]s; and views of
 //!   another model: [`Turned`], [`Reversed`], [`Separated`].
 //! * A whole data set with its bands, sides and metadata: [`Bsdf`].
-//! * From any model to a table: [`convert`]; to known totals: [`normalise`]; to a reciprocal one: [`reciprocity`].
+//! * From any model to a table: [`convert`]; to known totals: [`normalise`]; to a reciprocal one: [`reciprocity`];
+//!   of many lights at once: [`gather`].
 
 pub mod analytic;
 mod beam;
 pub mod convert;
 mod data;
+pub mod gather;
 mod lobes;
 mod matrix;
 mod metadata;

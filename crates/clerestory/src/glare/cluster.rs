@@ -7,33 +7,88 @@ use std::collections::HashMap;
 
 /// Number of the group of each direction (of length 1), counted in the order in which groups begin.
 pub(super) fn groups(directions: &[[f64; 3]], angle: f64) -> Vec<u32> {
-    let chord = 2.0 * (0.5 * angle.min(std::f64::consts::PI)).sin();
-    // A pair that is exactly at the limit belongs together, whatever the last digit.
-    let limit = chord * chord * (1.0 + 1e-12);
-    let side = chord / 3.0_f64.sqrt() * (1.0 - 1e-9);
-    let cells = Cells::new(directions, side);
-    let mut parents: Vec<u32> = (0..cells.keys.len() as u32).collect();
-    // Near cells first: they join most, and pairs that are joined need no search.
-    for step in steps() {
-        for (index, key) in cells.keys.iter().enumerate() {
-            let Some(&other) = cells.index.get(&key.wrapping_add_signed(step)) else {
+    let all: Vec<u32> = (0..directions.len() as u32).collect();
+    Neighbourhood::new(directions, angle).groups(directions, &all)
+}
+
+/// What is near what among directions, some of which are asked about again and again.
+#[derive(Debug, Clone)]
+pub(super) struct Neighbourhood {
+    /// Cell of each direction.
+    of: Vec<u32>,
+    cells: usize,
+    /// Cells that can hold directions within reach of each other. Near cells first: they join most, and pairs that are joined
+    /// need no search.
+    pairs: Vec<(u32, u32)>,
+    /// Square of the largest chord.
+    limit: f64,
+}
+
+impl Neighbourhood {
+    /// Of directions (of length 1) that belong together within an angle.
+    pub(super) fn new(directions: &[[f64; 3]], angle: f64) -> Self {
+        let chord = 2.0 * (0.5 * angle.min(std::f64::consts::PI)).sin();
+        let side = chord / 3.0_f64.sqrt() * (1.0 - 1e-9);
+        let Cells { of, keys, index } = Cells::new(directions, side);
+        let mut pairs = Vec::new();
+        for step in steps() {
+            for (cell, key) in keys.iter().enumerate() {
+                if let Some(&other) = index.get(&key.wrapping_add_signed(step)) {
+                    pairs.push((cell as u32, other));
+                }
+            }
+        }
+        Self {
+            of,
+            cells: keys.len(),
+            pairs,
+            // A pair that is exactly at the limit belongs together, whatever the last digit.
+            limit: chord * chord * (1.0 + 1e-12),
+        }
+    }
+
+    /// Number of the group of each of some of the directions, counted in the order in which groups begin.
+    pub(super) fn groups(&self, directions: &[[f64; 3]], chosen: &[u32]) -> Vec<u32> {
+        // Members of each cell, one cell after another.
+        let mut first = vec![0_u32; self.cells + 1];
+        for &k in chosen {
+            first[self.of[k as usize] as usize + 1] += 1;
+        }
+        for k in 1..first.len() {
+            first[k] += first[k - 1];
+        }
+        let mut at = first.clone();
+        let mut members = vec![0; chosen.len()];
+        for &k in chosen {
+            let cell = self.of[k as usize] as usize;
+            members[at[cell] as usize] = k;
+            at[cell] += 1;
+        }
+        let members = |cell: u32| &members[first[cell as usize] as usize..first[cell as usize + 1] as usize];
+        let mut parents: Vec<u32> = (0..self.cells as u32).collect();
+        for &(one, other) in &self.pairs {
+            if members(one).is_empty() || members(other).is_empty() {
                 continue;
-            };
-            let (a, b) = (root(&mut parents, index as u32), root(&mut parents, other));
-            if a != b && near(directions, cells.members(index as u32), cells.members(other), limit) {
+            }
+            let (a, b) = (root(&mut parents, one), root(&mut parents, other));
+            if a != b && near(directions, members(one), members(other), self.limit) {
                 parents[a.max(b) as usize] = a.min(b);
             }
         }
+        let mut numbers = vec![u32::MAX; self.cells];
+        let mut count = 0;
+        chosen
+            .iter()
+            .map(|&k| {
+                let number = &mut numbers[root(&mut parents, self.of[k as usize]) as usize];
+                if *number == u32::MAX {
+                    *number = count;
+                    count += 1;
+                }
+                *number
+            })
+            .collect()
     }
-    let mut numbers: HashMap<u32, u32> = HashMap::new();
-    cells
-        .of
-        .iter()
-        .map(|&cell| {
-            let count = numbers.len() as u32;
-            *numbers.entry(root(&mut parents, cell)).or_insert(count)
-        })
-        .collect()
 }
 
 fn near(directions: &[[f64; 3]], a: &[u32], b: &[u32], limit: f64) -> bool {
@@ -64,9 +119,6 @@ struct Cells {
     /// Key of each cell, and back.
     keys: Vec<u64>,
     index: HashMap<u64, u32>,
-    /// Members of each cell, one cell after another.
-    members: Vec<u32>,
-    first: Vec<u32>,
 }
 
 impl Cells {
@@ -92,30 +144,7 @@ impl Cells {
                 last.1
             })
             .collect();
-        let mut first = vec![0_u32; keys.len() + 1];
-        for &cell in &of {
-            first[cell as usize + 1] += 1;
-        }
-        for k in 1..first.len() {
-            first[k] += first[k - 1];
-        }
-        let mut at = first.clone();
-        let mut members = vec![0; of.len()];
-        for (k, &cell) in of.iter().enumerate() {
-            members[at[cell as usize] as usize] = k as u32;
-            at[cell as usize] += 1;
-        }
-        Self {
-            of,
-            keys,
-            index,
-            members,
-            first,
-        }
-    }
-
-    fn members(&self, cell: u32) -> &[u32] {
-        &self.members[self.first[cell as usize] as usize..self.first[cell as usize + 1] as usize]
+        Self { of, keys, index }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Glare of a field of view whose parts stay where they are while their luminance changes, hour by hour.
 
-use super::cluster::groups;
+use super::cluster::Neighbourhood;
 use super::indices::{Field, Indices, Light, Source, place, summarise};
 use super::settings::{Settings, Threshold};
 use crate::error::{Error, Result};
@@ -11,10 +11,15 @@ use crate::picture::Camera;
 #[derive(Debug, Clone)]
 pub struct Elements {
     camera: Camera,
-    /// Towards each, in the world and in the camera's frame.
-    directions: Vec<(Vec3, [f64; 3])>,
+    /// Towards each, in the world.
+    directions: Vec<Vec3>,
+    /// The same in the camera's frame.
+    local: Vec<[f64; 3]>,
     /// (sr)
     solid_angles: Vec<f64>,
+    near: Neighbourhood,
+    /// Choices of the evaluation.
+    settings: Settings,
 }
 
 #[derive(Clone, Default)]
@@ -29,7 +34,8 @@ struct Gathered {
 
 impl Elements {
     /// Those before the eye, of directions and solid angles (sr); the others count nothing.
-    pub fn new(camera: Camera, directions: &[Vec3], solid_angles: &[f64]) -> Result<Self> {
+    pub fn new(camera: Camera, directions: &[Vec3], solid_angles: &[f64], settings: &Settings) -> Result<Self> {
+        settings.check()?;
         if directions.len() != solid_angles.len() {
             return Err(Error::Argument(format!(
                 "{} directions do not go with {} solid angles",
@@ -38,11 +44,15 @@ impl Elements {
             )));
         }
         let frame = camera.frame();
-        let local = |d: &Vec3| (d.unit(), frame.map(|axis| d.unit().dot(axis)));
+        let local = |d: &Vec3| frame.map(|axis| d.unit().dot(axis));
+        let local: Vec<[f64; 3]> = directions.iter().map(local).collect();
         Ok(Self {
             camera,
-            directions: directions.iter().map(local).collect(),
+            near: Neighbourhood::new(&local, 0.5 * settings.search_radius),
+            directions: directions.iter().map(|d| d.unit()).collect(),
+            local,
             solid_angles: solid_angles.to_vec(),
+            settings: settings.clone(),
         })
     }
 
@@ -53,9 +63,8 @@ impl Elements {
         luminances: &[f32],
         lights: &[Light],
         vertical_illuminance: f64,
-        settings: &Settings,
     ) -> Result<(Vec<Source>, Indices)> {
-        settings.check()?;
+        let settings = &self.settings;
         let Threshold::Absolute(threshold) = settings.threshold else {
             return Err(Error::Unsupported(
                 "a threshold by the mean of a picture needs a picture (give a luminance in cd/m²)".into(),
@@ -64,7 +73,7 @@ impl Elements {
         let above = |limit: f64| -> Vec<u32> {
             let bright = |k: &u32| {
                 let k = *k as usize;
-                f64::from(luminances[k]) > limit && self.directions[k].1[2] > 0.0 && self.solid_angles[k] > 0.0
+                f64::from(luminances[k]) > limit && self.local[k][2] > 0.0 && self.solid_angles[k] > 0.0
             };
             (0..luminances.len() as u32).filter(bright).collect()
         };
@@ -74,8 +83,8 @@ impl Elements {
             .partition(|&k| f64::from(luminances[k as usize]) > peak);
         // Sources are joined before peaks are cut out of them.
         let all: Vec<u32> = rest.iter().chain(&peaks).copied().collect();
-        let mut sources = self.gather(&all, rest.len(), luminances, settings, false);
-        sources.extend(self.gather(&peaks, peaks.len(), luminances, settings, true));
+        let mut sources = self.gather(&all, rest.len(), luminances, false);
+        sources.extend(self.gather(&peaks, peaks.len(), luminances, true));
         for light in lights {
             let direction = light.direction.unit();
             let local = self.camera.frame().map(|axis| direction.dot(axis));
@@ -83,7 +92,6 @@ impl Elements {
                 sources.push(self.source(
                     direction,
                     local,
-                    settings,
                     &Gathered {
                         omega: light.solid_angle,
                         flux: light.luminance * light.solid_angle,
@@ -105,21 +113,13 @@ impl Elements {
     }
 
     /// Sources of the first `counted` of the elements, joined over all of them.
-    fn gather(
-        &self,
-        chosen: &[u32],
-        counted: usize,
-        luminances: &[f32],
-        settings: &Settings,
-        peak: bool,
-    ) -> Vec<Source> {
-        let directions: Vec<[f64; 3]> = chosen.iter().map(|&k| self.directions[k as usize].1).collect();
-        let numbers = groups(&directions, 0.5 * settings.search_radius);
+    fn gather(&self, chosen: &[u32], counted: usize, luminances: &[f32], peak: bool) -> Vec<Source> {
+        let numbers = self.near.groups(&self.local, chosen);
         let mut gathered = vec![Gathered::default(); numbers.iter().max().map_or(0, |n| *n as usize + 1)];
         for (&k, &number) in chosen[..counted].iter().zip(&numbers) {
             let (k, sum) = (k as usize, &mut gathered[number as usize]);
             let (luminance, omega) = (f64::from(luminances[k]), self.solid_angles[k]);
-            let (world, local) = self.directions[k];
+            let (world, local) = (self.directions[k], self.local[k]);
             sum.omega += omega;
             sum.flux += luminance * omega;
             sum.illuminance += luminance * omega * local[2];
@@ -134,13 +134,13 @@ impl Elements {
             .map(|sum| {
                 let direction = sum.middle.unit();
                 let local = frame.map(|axis| direction.dot(axis));
-                self.source(direction, local, settings, sum, peak)
+                self.source(direction, local, sum, peak)
             })
             .collect()
     }
 
-    fn source(&self, direction: Vec3, local: [f64; 3], settings: &Settings, sum: &Gathered, peak: bool) -> Source {
-        let (sigma, position_index) = place(&self.camera, settings, local);
+    fn source(&self, direction: Vec3, local: [f64; 3], sum: &Gathered, peak: bool) -> Source {
+        let (sigma, position_index) = place(&self.camera, &self.settings, local);
         Source {
             direction,
             luminance: sum.flux / sum.omega,
@@ -185,11 +185,9 @@ mod tests {
             .collect();
         let omegas: Vec<f64> = pixels.iter().map(|&k| lens.solid_angles()[k]).collect();
         let luminances: Vec<f32> = pixels.iter().map(|&k| picture[k]).collect();
-        let elements = Elements::new(camera, &directions, &omegas).unwrap();
+        let elements = Elements::new(camera, &directions, &omegas, &Settings::default()).unwrap();
         let illuminance = expected.indices.vertical_illuminance;
-        let (sources, found) = elements
-            .rate(&luminances, &[], illuminance, &Settings::default())
-            .unwrap();
+        let (sources, found) = elements.rate(&luminances, &[], illuminance).unwrap();
         assert_eq!(sources.len(), expected.sources.len());
         for (a, b) in [
             (found.dgp, expected.indices.dgp),
@@ -207,9 +205,9 @@ mod tests {
             luminance: 1e8,
             solid_angle: 6.8e-5,
         };
-        let elements = Elements::new(camera(), &[], &[]).unwrap();
         let settings = Settings::default();
-        let (sources, found) = elements.rate(&[], &[sun], 9000.0, &settings).unwrap();
+        let elements = Elements::new(camera(), &[], &[], &settings).unwrap();
+        let (sources, found) = elements.rate(&[], &[sun], 9000.0).unwrap();
         let field = Field {
             vertical_illuminance: 9000.0,
             mean_luminance: f64::NAN,
@@ -222,6 +220,7 @@ mod tests {
             threshold: Threshold::TimesMean(5.0),
             ..settings
         };
-        assert!(elements.rate(&[], &[sun], 9000.0, &mean).is_err());
+        let elements = Elements::new(camera(), &[], &[], &mean).unwrap();
+        assert!(elements.rate(&[], &[sun], 9000.0).is_err());
     }
 }

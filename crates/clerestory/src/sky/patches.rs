@@ -283,7 +283,10 @@ impl SkyPatches {
         let mut near: Vec<(f64, usize)> = (1..self.len())
             .map(|patch| (self.centre(patch).dot(disc.direction), patch))
             .collect();
-        near.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        // Only the nearest four are asked for.
+        let order = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
+        near.select_nth_unstable_by(3, order);
+        near[..4].sort_by(order);
         match how {
             SunPatches::Spread => {
                 let nearest = &near[..4];
