@@ -21,6 +21,7 @@ from clerestory.room.world import system_of
 from clerestory.trace.keys import Keys, Positive, RecipeError, wrong
 from clerestory.trace.recipe import read_toml
 from clerestory.weather import Hours, SkyYear, read_weather, synthetic_year
+from clerestory.weather.calendar import COMMON_YEAR
 
 if TYPE_CHECKING:
     import os
@@ -230,7 +231,8 @@ class Study:
             raise RecipeError("weather: there is no file, and the room has no place to make one up for (give a file)")
         from clerestory.sky import Place
 
-        return synthetic_year(Place(place.latitude, place.longitude, place.timezone))
+        at = Place(place.latitude, place.longitude, place.timezone)
+        return synthetic_year(Place(at.latitude, at.longitude, at.standard_hours(COMMON_YEAR)))
 
     def _data_sets(self, folder: Path) -> dict[str, list[Bsdf]]:
         groups = RoomMatrices.systems_of(self.room)

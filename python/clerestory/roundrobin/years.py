@@ -12,14 +12,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from clerestory.annual import study as annual
+from clerestory.annual.arrivals import Arrivals
 from clerestory.annual.cache import digest
-from clerestory.annual.matrices import RoomMatrices
-from clerestory.annual.year import RoomYear, Sampling
-from clerestory.roundrobin.moments import room_of
 from clerestory.roundrobin.pieces import Piece
-from clerestory.sky import Place
 from clerestory.trace.keys import RecipeError
-from clerestory.weather import Hours, SkyYear, read_weather, synthetic_year
+from clerestory.weather import Hours
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -27,6 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from clerestory.annual.cache import Arrays, Cache
+    from clerestory.annual.study import Study
     from clerestory.room import Room
     from clerestory.roundrobin import recipe as keys
     from clerestory.roundrobin.pieces import Tell
@@ -37,8 +36,6 @@ if TYPE_CHECKING:
 
 STEP_CPU_S = {"klems": 3.0e-3, "klems-peaks": 8.0e-3, "high": 3.2e-3, "high-peaks": 7.2e-3}
 """Measured with 48 points: of a step of the weather [s]."""
-_EYE = "eye"
-_PATCHES = "reinhart:4"
 
 
 @dataclass(frozen=True)
@@ -67,22 +64,18 @@ class Years:
     def __init__(self, recipe: keys.Year, folder: Path, seeds: list[int], store: Cache) -> None:
         self.recipe = recipe
         self.seeds = seeds
+        self._folder = folder
         self._cache = store
-        self.room: Room = room_of(recipe.room, folder, "year")
-        try:
-            self.view = self.room.view(recipe.view)
-        except RecipeError as error:
-            raise RecipeError(f"year.view: {error}") from None
-        try:
-            self.points, self.normals = self.room.sensors(recipe.sensors)
-        except RecipeError as error:
-            raise RecipeError(f"year.sensors: {error}") from None
-        if not self.room.windows:
-            raise RecipeError("year.room: the room has no window (add one)")
-        self.weather = self._weather(folder)
-        self.hours = Hours(**recipe.hours.model_dump())
+        self._study = cache(self._made_study)
+        first = self._study(seeds[0])
+        self.room: Room = first.room
+        self.view = self.room.view(recipe.view)
+        self.points = first.points
+        """(n, 3) [m]."""
+        self.weather: Weather = first.weather
+        """Its months that are computed."""
+        self.hours = first.hours
         """That count at the eye."""
-        self._year = cache(self._made_year)
 
     @property
     def is_synthetic(self) -> bool:
@@ -100,18 +93,18 @@ class Years:
         for seed in self.seeds if repeated else self.seeds[:1]:
 
             def compute(tell: Tell, seed: int = seed) -> Arrays:
-                year = self._year(seed)
+                study = self._study(seed)
+                study.data_sets = {str(case): [system.treated(case)] * len(study.matrices)}
                 steps = len(self.weather)
                 illuminance = np.zeros((steps, len(self.points)), dtype=np.float32)
                 series = {name: np.zeros(steps, dtype=np.float32) for name in ("eye_illuminance", "dgp", "dgi")}
-                systems = [system.treated(case)] * len(year.matrices)
-                for _, part in year.of({str(case): systems}, tell):
-                    illuminance[part.steps] = part.illuminance
-                    eye = part.eyes[_EYE]
-                    series["eye_illuminance"][part.steps] = eye["illuminance"]
-                    for index in ("dgp", "dgi"):
-                        # Where it is dark there is no glare, and the hour counts.
-                        series[index][part.steps] = np.nan_to_num(eye[index])
+                for block, _, part in study.parts(tell):
+                    illuminance[part.steps, block.points] = part.illuminance
+                    for eye in part.eyes.values():
+                        series["eye_illuminance"][part.steps] = eye["illuminance"]
+                        for index in ("dgp", "dgi"):
+                            # Where it is dark there is no glare, and the hour counts.
+                            series[index][part.steps] = np.nan_to_num(eye[index])
                 return {"illuminance": illuminance, **series}
 
             steps = len(self.weather)
@@ -125,55 +118,38 @@ class Years:
             )
         return made
 
-    def _made_year(self, seed: int) -> RoomYear:
-        north = self.room.recipe.sky.north_deg
-        ground = self.room.recipe.sky.ground_reflectance
-        sky = SkyYear(self.weather, _PATCHES, ground_reflectance=ground, north_deg=north)
-        return RoomYear(
-            RoomMatrices(self.room, cache=self._cache, seed=seed),
-            sky,
-            self.points,
-            self.normals,
-            {_EYE: (self.view.point_m, self.view.direction)},
-            sampling=Sampling(view=self.recipe.paths),
+    def _made_study(self, seed: int) -> Study:
+        """The room's year without data sets."""
+        recipe = self.recipe
+        given = annual.Recipe(
+            room=recipe.room,
+            weather=recipe.weather,
+            sensors=[recipe.sensors],
+            views=[recipe.view],
+            hours=recipe.hours,
+            paths=recipe.paths,
+            seed=seed,
         )
+        try:
+            made = annual.Study(given, self._folder, self._cache)
+            if not made.room.windows:
+                raise RecipeError("room: it has no window (add one)")
+            chosen = np.isin(made.weather.months, recipe.months)
+            if not chosen.any():
+                raise RecipeError("months: the weather has none of them (give others)")
+        except RecipeError as error:
+            raise RecipeError(f"year.{error}") from None
+        made.weather = made.weather.selected(chosen)
+        return made
 
     def _key(self, seed: int) -> dict[str, object]:
-        weather, sky = self.weather, self.room.recipe.sky
-        where = [weather.place.latitude, weather.place.longitude, weather.time_zone]
-        light = [np.asarray(v) for v in (weather.times.astype(np.int64), weather.direct, weather.diffuse)]
-        dew = weather.dew_point
-        return {
-            "room": digest(*self.room.described()),
-            "weather": digest(where, *light, *(() if dew is None else (np.asarray(dew),))),
-            "sky": [_PATCHES, sky.ground_reflectance, sky.north_deg],
-            "points": digest(self.points, self.normals),
-            "view": [self.view.point_m, self.view.direction],
-            "paths": self.recipe.paths,
-            "seed": seed,
-        }
-
-    def _weather(self, folder: Path) -> Weather:
-        if self.recipe.weather is not None:
-            path = folder / self.recipe.weather
-            try:
-                found = read_weather(path)
-            except FileNotFoundError:
-                raise RecipeError(
-                    f"year.weather: {path} does not exist (check it; it is relative to the study)"
-                ) from None
-        else:
-            place = self.room.recipe.place
-            if place is None:
-                raise RecipeError(
-                    "year.weather: there is no file, and the room has no place to make one up for (give a file)"
-                )
-            at = Place(place.latitude, place.longitude, place.timezone)
-            found = synthetic_year(Place(at.latitude, at.longitude, at.standard_hours(2001)))
-        chosen = np.isin(found.months, self.recipe.months)
-        if not chosen.any():
-            raise RecipeError("year.months: the weather has none of them (give others)")
-        return found.selected(chosen)
+        """What a year depends on beside its data set."""
+        study = self._study(seed)
+        sky = study.sky(study.recipe.patches)
+        arrives = Arrivals(study.matrices, sky).key
+        eye = [self.view.point_m, self.view.direction]
+        where = {"points": digest(study.points, study.normals), "eye": eye, "paths": self.recipe.paths}
+        return {**study.matrices.key, **arrives, **where}
 
 
 def read(arrays: Arrays) -> CaseYear:
