@@ -32,7 +32,7 @@ def of_system(found: Found) -> list[Block]:
     """As section 3.6 of the report."""
     years = found.years_of
     assert years is not None
-    head, seed = found.system.head, years.seeds[0]
+    said, seed = found.system.said, years.seeds[0]
     cases = [case for case in found.cases if case in found.years]
     weights = years.hours.weights(years.weather)
     blocks: list[Block] = [
@@ -54,13 +54,13 @@ def of_system(found: Found) -> list[Block]:
                 plan=plan_of(years.room),
             )
             blocks.append(
-                _figure(made, f"{head}daylight autonomy at {threshold:g} lx.", "Floor plans of daylight autonomy")
+                _figure(made, said(f"Daylight autonomy at {threshold:g} lx."), "Floor plans of daylight autonomy")
             )
     top = float(max(np.quantile(found.years[case][seed].eye_illuminance[weights > 0.0], 0.99) for case in cases))
     step = float(np.median(years.weather.interval))
     series = {str(case): found.years[case][seed].eye_illuminance for case in cases}
     made = carpets(series, years.weather.times, step, label="$E_v$ [lx]", limits=(0.0, max(top, 1.0)))
-    blocks.append(_figure(made, f"{head}vertical illuminance at the eye.", "Carpets of vertical illuminance"))
+    blocks.append(_figure(made, said("Vertical illuminance at the eye."), "Carpets of vertical illuminance"))
     edges = _edges(top)
     for treatment in TREATMENTS:
         own = {c.laboratory: found.years[c][seed].eye_illuminance for c in cases if c.treatment == treatment}
@@ -69,7 +69,7 @@ def of_system(found: Found) -> list[Block]:
             blocks.append(
                 _figure(
                     made,
-                    f"{head}{treatment}: how often vertical illuminances occur, {years.hours.words}.",
+                    said(f"{treatment}: how often vertical illuminances occur, {years.hours.words}."),
                     "Histogram and cumulated share of vertical illuminance",
                 )
             )
@@ -82,7 +82,7 @@ def of_system(found: Found) -> list[Block]:
         blocks.append(
             _figure(
                 made,
-                f"{head}{classes.index} in classes, {years.hours.words}. *: the data are too coarse for glare.",
+                said(f"{classes.index} in classes, {years.hours.words}. *: the data are too coarse for glare."),
                 f"Stacked bars of the classes of {classes.index}",
             )
         )
@@ -108,8 +108,8 @@ def _table(found: Found) -> Table:
         "seed",
         *(words.removesuffix(", mean of the points") for _, words, _, _ in names),
     )
-    caption = (
-        f"{found.system.head}what the year comes to; autonomy is the mean of the points. Marked: the data are too "
+    caption = found.system.said(
+        "What the year comes to; autonomy is the mean of the points. Marked: the data are too "
         "coarse for glare and direct sun."
     )
     return Table(caption, heads, tuple(rows), 3)

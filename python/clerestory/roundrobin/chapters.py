@@ -50,7 +50,7 @@ def main_figures(found: Found) -> list[Block]:
         return [
             _figure(
                 figures.shares(judged),
-                f"{found.system.head}what the variance of each measure comes from, in per cent of it.",
+                found.system.said("What the variance of each measure comes from, in per cent of it."),
                 "Bars of the share of variance by source",
             )
         ]
@@ -88,8 +88,8 @@ def _inventory(found: Found) -> list[Block]:
                 Cell(", ".join(dict.fromkeys(c.treatment for c in found.cases if c.laboratory == lab.name)) or "–"),
             )
         )
-    caption = (
-        f"{found.system.head}what each laboratory gave, and the treatments that it is used in. A Klems matrix is made "
+    caption = found.system.said(
+        "What each laboratory gave, and the treatments that it is used in. A Klems matrix is made "
         "of high-resolution data where a laboratory gave no other."
     )
     heads = ("laboratory", "Klems", "high resolution", "other", "treatments")
@@ -99,7 +99,7 @@ def _inventory(found: Found) -> list[Block]:
 def _bars(found: Found) -> Figure:
     assert found.transmittance is not None
     return Figure(
-        f"{found.system.head}hemispherical, direct-hemispherical and direct-direct transmittance of each file.",
+        found.system.said("Hemispherical, direct-hemispherical and direct-direct transmittance of each file."),
         "Bars of transmittances by data set",
         found.transmittance.pictures["bars"],
     )
@@ -118,8 +118,8 @@ def _transmittances(found: Found) -> list[Block]:
     for name, field in (("mean", "mean"), ("standard deviation", "standard_deviation")):
         spreads = [None if q["spread"] is None else q["spread"][field] for q in quantities]
         rows.append((Cell(name), *(Cell("–" if s is None else _bare_percent(s), s) for s in spreads)))
-    caption = (
-        f"{found.system.head}transmittances [%]. Incident light fills a Klems full patch; direct-direct is what leaves "
+    caption = found.system.said(
+        "Transmittances [%]. Incident light fills a Klems full patch; direct-direct is what leaves "
         "through the outgoing patch of the same number. Overcast: CIE sky before a vertical façade."
     )
     said = [Paragraph(str(s)) for s in own.numbers["summary"]]
@@ -129,13 +129,15 @@ def _transmittances(found: Found) -> list[Block]:
         Table(caption, heads, tuple(rows)),
         _bars(found),
         Figure(
-            f"{found.system.head}BSDF [1/sr] on one logarithmic scale, light along the centres of the incident "
-            "patches; each data set at its own resolution. The cross is the continued direction.",
+            found.system.said(
+                "BSDF [1/sr] on one logarithmic scale, light along the centres of the incident "
+                "patches; each data set at its own resolution. The cross is the continued direction."
+            ),
             "Falsecolour hemispheres: a row a data set, a column an incident patch",
             own.pictures["hemispheres"],
         ),
         Figure(
-            f"{found.system.head}cuts through the plane of scattering of the hemispheres.",
+            found.system.said("Cuts through the plane of scattering of the hemispheres."),
             "BSDF along the plane of scattering, a line a data set",
             own.pictures["slices"],
         ),
@@ -150,7 +152,7 @@ def _moments(found: Found) -> list[Block]:
     """As section 3.5 of the report."""
     room = found.moments_of
     assert room is not None
-    head, times = found.system.head, room.recipe.times
+    said, times = found.system.said, room.recipe.times
     coarse = list(found.coarse)
     place = room.place
     blocks: list[Block] = [
@@ -177,8 +179,10 @@ def _moments(found: Found) -> list[Block]:
         blocks.append(
             _figure(
                 figures.renderings(pictures, words),
-                f"{head}{treatment}, {room.first}, sun {room.sun_altitude_deg(room.first):.1f}° high: rendering, "
-                "luminance and the glare sources in the rendering, on one scale.",
+                said(
+                    f"{treatment}, {room.first}, sun {room.sun_altitude_deg(room.first):.1f}° high: rendering, "
+                    "luminance and the glare sources in the rendering, on one scale."
+                ),
                 f"Renderings, luminance and glare sources of {treatment} by laboratory",
             )
         )
@@ -188,8 +192,10 @@ def _moments(found: Found) -> list[Block]:
     blocks.append(
         _figure(
             figures.bars(first, coarse, limits={"DGP": DGP_LIMITS, "DGI": (18.0, 24.0, 28.0)}),
-            f"{head}{room.first}: vertical illuminance, DGP and DGI by laboratory and treatment. Dashed: limits of the "
-            f"classes. {_COARSE}",
+            said(
+                f"{room.first}: vertical illuminance, DGP and DGI by laboratory and treatment. Dashed: limits of the "
+                f"classes. {_COARSE}"
+            ),
             "Bars of vertical illuminance, DGP and DGI",
         )
     )
@@ -202,8 +208,10 @@ def _moments(found: Found) -> list[Block]:
         blocks.append(
             _figure(
                 figures.by_time(series, names, coarse),
-                f"{head}vertical illuminance, DGP and DGI at all times. Open marks: the data are too coarse for glare "
-                "and direct sun.",
+                said(
+                    "Vertical illuminance, DGP and DGI at all times. Open marks: the data are too coarse for glare "
+                    "and direct sun."
+                ),
                 "Lines of vertical illuminance, DGP and DGI over the dates",
             )
         )
@@ -222,7 +230,7 @@ def _moments(found: Found) -> list[Block]:
                 )
             )
     heads = ("laboratory", "treatment", "time", "E_v [lx]", "DGP", "DGI")
-    blocks.append(Table(f"{head}values at all times, means over the seeds. {_COARSE}", heads, tuple(rows), 3))
+    blocks.append(Table(said(f"Values at all times, means over the seeds. {_COARSE}"), heads, tuple(rows), 3))
     return blocks
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from clerestory.roundrobin.measures import Kind, Measure
     from clerestory.roundrobin.run import Found
 
-_KINDS: tuple[tuple[Kind, str], ...] = (("illuminance", "illuminance"), ("glare", "glare"))
+_KINDS: tuple[tuple[Kind, str], ...] = (("illuminance", "Illuminance"), ("glare", "Glare"))
 
 
 def in_unit(value: float | None, unit: str) -> str:
@@ -31,17 +31,16 @@ def in_unit(value: float | None, unit: str) -> str:
 
 def sentences(found: Found) -> list[str]:
     """What a busy reader has to know of a system."""
-    head = found.system.head
+    said = found.system.said
     made = []
     if found.transmittance is not None:
-        first = str(found.transmittance.numbers["summary"][0])
-        made.append(f"{head}{first[0].lower() if head else first[0]}{first[1:]}")
+        made.append(said(str(found.transmittance.numbers["summary"][0])))
     judged = [m for m in found.measures if m.is_judged and m.kind != "transmittance"]
     for kind, words in _KINDS:
         own = [m for m in judged if m.kind == kind]
         if own:
-            made.append(f"{head}{words}: {_weighed(own)}")
-    return [sentence[0].upper() + sentence[1:] for sentence in made]
+            made.append(said(f"{words}: {_weighed(own)}"))
+    return made
 
 
 def _weighed(measures: Sequence[Measure]) -> str:
@@ -75,22 +74,26 @@ def _ratio(measure: Measure) -> float:
 
 def warnings(found: Found) -> list[str]:
     """What has to be known before the numbers of a system are used."""
-    head = found.system.head
+    said = found.system.said
     made = []
     if found.transmittance is not None:
-        made += [f"{head}{note}" for note in found.transmittance.numbers["notes"]]
+        made += [said(f"{note[0].upper()}{note[1:]}.") for note in found.transmittance.numbers["notes"]]
     for why in dict.fromkeys(found.coarse.values()):
         cases = listed([str(case).replace(", ", " as ") for case, text in found.coarse.items() if text == why])
-        made.append(f"{head}glare and direct sun of {cases}: {why}. These values are marked.")
+        made.append(said(f"Glare and direct sun of {cases}: {why}. These values are marked."))
     unconnected = [m.words for m in found.measures if m.kind != "transmittance" and not m.variance.connected]
     if unconnected:
         made.append(
-            f"{head}no method joins all laboratories, so that laboratory and method cannot be told apart in "
-            f"{counted(len(unconnected), 'measure')}."
+            said(
+                f"No method joins all laboratories, so that laboratory and method cannot be told apart in "
+                f"{counted(len(unconnected), 'measure')}."
+            )
         )
     if found.system.pane is not None:
         made.append(
-            f"{head}behind the pane layers are put together on Klems' patches, so that there is no high resolution. "
-            "Transmittances are those of the data sets alone."
+            said(
+                "Behind the pane layers are put together on Klems' patches, so that there is no high resolution. "
+                "Transmittances are those of the data sets alone."
+            )
         )
-    return [text[0].upper() + text[1:] for text in made]
+    return made

@@ -85,13 +85,17 @@ class System:
     ) -> None:
         self.name = name
         self.title = title
-        self.head = f"{title}: "
-        """Before what is said of it; empty where it is the only one."""
+        self.is_alone = False
+        """Whether it is the only one of the round robin."""
         self.laboratories = tuple(laboratories)
         self.pane = pane
         self._pane_key = list(pane_key)
         self._of = {lab.name: lab for lab in laboratories}
         self.treated = cache(self._treated)
+
+    def said(self, text: str) -> str:
+        """A sentence about it, which names it where there are others."""
+        return text if self.is_alone else f"{self.title}. {text}"
 
     def cases(self, treatments: Sequence[Treatment]) -> list[Case]:
         """All that there are: treatments in their order, laboratories in theirs.
@@ -143,7 +147,7 @@ class RoundRobin:
         self.systems = [self._system(name) for name in recipe.systems]
         """In their order."""
         if len(self.systems) == 1:
-            self.systems[0].head = ""
+            self.systems[0].is_alone = True
         for system in self.systems:
             if not system.cases(recipe.treatments):
                 raise RecipeError(
