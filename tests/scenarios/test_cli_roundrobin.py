@@ -266,7 +266,7 @@ def test_wrong_studies_say_so_in_one_line(folder, capsys, change, text):
     [
         (["north.xml", "south.xml"], 2, "the results have no folder (give -o FOLDER, --json or --dry-run)"),
         (["north.xml", "south.xml", "-o", "north.xml"], 2, "is a file (give a folder)"),
-        (["north.xml", "gone.xml", "--dry-run"], 1, "gone.xml does not exist"),
+        (["north.xml", "gone.xml", "--dry-run"], 1, "gone.xml: no such file or directory (check the path)"),
         (["north.xml", "--dry-run"], 1, "fewer than two laboratories"),
         (["study.toml", "north.xml", "--dry-run"], 2, "a study stands alone"),
         (["study.toml", "--without", "lunch", "--dry-run"], 2, "--without lunch: not known"),
@@ -292,6 +292,8 @@ def test_the_demonstration_measures_what_it_compares(tmp_path, monkeypatch):
     study = load(tmp_path / "study.toml")
     assert [len(system.cases(study.recipe.treatments)) for system in study.systems] == [6, 6]
     # The report of the round robin has 47.8 % to 50.3 % for such a blind; the second laboratory found darker slats.
-    north, south = (hemispherical(read(tmp_path / f"blind_{lab}_klems.xml"), "transmission").value for lab in ("north", "south"))
+    north, south = (
+        hemispherical(read(tmp_path / f"blind_{lab}_klems.xml"), "transmission").value for lab in ("north", "south")
+    )
     assert 0.46 < north < 0.52
     assert 0.42 < south < north

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
+import os
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -19,7 +21,6 @@ from clerestory.trace.keys import RecipeError
 from clerestory.trace.recipe import read_toml
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Sequence
 
     from clerestory.bsdf import Bsdf
@@ -264,8 +265,13 @@ def of_files(given: Sequence[tuple[str, Path]], **settings: object) -> RoundRobi
     Raises
     ------
     ClerestoryError
-        A file cannot be read or compared.
+        A file cannot be compared.
+    OSError
+        A file cannot be read.
     """
+    for _, path in given:
+        if not path.exists():
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
     data_sets = [{"laboratory": name, "file": str(path.resolve())} for name, path in given]
     tables = {"systems": {"system": {"title": "System", "data_sets": data_sets}}, **settings}
     try:
