@@ -22,7 +22,7 @@ from clerestory.trace.shipped import RECIPES
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-PATHS = {"klems": 512, "high": 96}
+PATHS = {"klems": 1024, "high": 512}
 """Of an incident patch."""
 LEVEL = 5
 """Cells along an axis of a tensor tree, 2 to this power."""

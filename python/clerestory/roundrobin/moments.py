@@ -132,9 +132,13 @@ class Moments:
     def _room(self, time: str, system: System | None = None, case: Case | None = None) -> Room:
         recipe = self.base.recipe
         sky = recipe.sky.model_copy(update={"time": time, "sun_deg": None})
-        in_windows = None if system is None or case is None else system.treated(case)
         made = recipe.model_copy(update={"sky": sky, "place": self.place})
-        return Room(made, self.base.folder, in_windows=in_windows)
+        if system is None or case is None:
+            return Room(made, self.base.folder)
+        try:
+            return Room(made, self.base.folder, in_windows=system.treated(case))
+        except RecipeError as error:
+            raise RecipeError(f"{system.title}, {case}: {error}") from None
 
     def _key(self, system: System, case: Case, time: str, seed: int) -> dict[str, object]:
         sky = self.base.recipe.sky.model_dump() | {"time": time, "sun_deg": None}
