@@ -478,6 +478,9 @@ class WindowGroups:
         seed: int,
         report: Callable[[float], object] | None = None,
     ) -> _Matrix: ...
+    def facade_matrix(
+        self, group: int, samples: int, seed: int, report: Callable[[float], object] | None = None
+    ) -> _Matrix: ...
     def apertures(
         self,
         points: _Floats,

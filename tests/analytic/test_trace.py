@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from clerestory import Basis, trace
+from clerestory.annual.control.slats import Slats
 from clerestory.directions import SIDES
 
 BASIS = Basis.named("klems-full")
@@ -84,6 +85,25 @@ def test_black_slats(tilt_deg):
         return mean_over_patches(of, side)
 
     scores(black(tilt_deg), transmittance)
+
+
+@pytest.mark.parametrize(("tilt_deg", "crown"), [(0.0, 10.0), (35.0, -10.0)])
+def test_black_curved_slats(tilt_deg, crown):
+    """What passes is what the geometry of control curves says."""
+    slats = Slats(WIDTH, PITCH, crown)
+
+    def transmittance(side):
+        towards = 1.0 if side == "exterior" else -1.0
+
+        def of(incident):
+            omega = np.arctan(profile_slope(incident, side))
+            return slats.passed(towards * math.radians(tilt_deg), omega)
+
+        return mean_over_patches(of, side)
+
+    recipe = black(tilt_deg)
+    recipe["sample"]["slat"]["crown_mm"] = crown
+    scores(recipe, transmittance)
 
 
 @pytest.mark.parametrize("reflectance", [0.9, 0.4])

@@ -2,37 +2,11 @@
 
 import json
 
-import numpy as np
 import pytest
 
 from clerestory.cli import main
+from short_study import ROOM, days
 
-ROOM = """
-[place]
-latitude = 47.3
-longitude = 11.4
-timezone = "Etc/GMT-1"
-[sky]
-kind = "overcast"
-[room]
-width_m = 3.0
-depth_m = 4.0
-height_m = 3.0
-[[room.openings]]
-wall = "south"
-width_m = 2.0
-height_m = 1.6
-sill_m = 0.9
-system = "pane"
-[systems.pane]
-glass = 0.7
-[views.desk]
-point_m = [1.5, 2.0, 1.2]
-direction = [0, -1, 0]
-[sensors.plane]
-height_m = 0.8
-spacing_m = 1.5
-"""
 STUDY = """
 name = "two panes"
 room = "room.toml"
@@ -44,23 +18,11 @@ glass = 0.7
 [data_sets.dark]
 glass = 0.1
 """
-HEAD = """place Innsbruck
-latitude 47.3
-longitude -11.4
-time_zone -15
-site_elevation 600
-weather_data_file_units 1
-"""
 
 
 @pytest.fixture
 def study(tmp_path):
-    lines = []
-    for day in (20, 21):
-        for hour in range(24):
-            high = max(0.0, np.sin(np.pi * (hour + 0.5 - 6.0) / 12.0))
-            lines.append(f"3 {day} {hour + 0.5} {800 * high * (day == 20):.0f} {150 * high:.0f}")
-    (tmp_path / "days.wea").write_text(HEAD + "\n".join(lines) + "\n")
+    (tmp_path / "days.wea").write_text(days((20, 21)))
     (tmp_path / "room.toml").write_text(ROOM)
     (tmp_path / "study.toml").write_text(STUDY)
     return tmp_path

@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
-from clerestory import FileFormatError
+from clerestory import Basis, ClerestoryError, FileFormatError
 from clerestory.annual.cache import Cache
 from clerestory.annual.exchange import read, write
+from clerestory.annual.phases import Transfer, leaving
+from clerestory.sky import SkyPatches
+from clerestory.system import pane_from_normal
 
 VALUES = np.random.default_rng(4).random((5, 7, 3))
 
@@ -82,3 +85,29 @@ def test_what_is_damaged_is_computed_again_and_told(tmp_path, damage):
     assert np.array_equal(again.get("view", key, lambda: {"values": VALUES})["values"], VALUES)
     assert "computed again" in again.warnings[0]
     assert np.array_equal(Cache(tmp_path).get("view", key, dict)["values"], VALUES)
+
+
+def test_a_matrix_of_other_patches_is_refused(tmp_path):
+    """Sensors' columns are the windows' interior patches; a matrix of another basis does not go with them."""
+    path, full = tmp_path / "view.mtx", Basis.named("klems-full")
+    write(path, np.ones((3, 2 * 145)))
+    assert read(path, columns_of=full).shape == (3, 290, 3)
+    write(path, np.ones((3, 77)))
+    with pytest.raises(FileFormatError, match=r"77 columns do not go with the 145 patches") as told:
+        read(path, columns_of=full)
+    assert str(told.value).startswith(f"{path}: ")
+    assert "Klems Half has so many" in str(told.value)
+    write(path, np.ones((2306, 1)))
+    assert len(read(path, rows_of=SkyPatches.named("reinhart:4"))) == 2306
+    with pytest.raises(FileFormatError, match=r"2306 rows do not go with the 578 patches of reinhart:2.*reinhart:4"):
+        read(path, rows_of=SkyPatches.named("reinhart:2"))
+
+
+def test_bases_of_windows_and_room_must_agree():
+    full, half = (Basis.named(name) for name in ("klems-full", "klems-half"))
+    pane = pane_from_normal(0.7, 0.08)
+    one, other = Transfer.of(pane, full), Transfer.of(pane, half)
+    with pytest.raises(ClerestoryError, match=r"77 patches \(group 2\) do not go with 145"):
+        leaving([one, other])
+    with pytest.raises(ClerestoryError, match=r"group 1 is 77 × 77, where .* 145 × 145"):
+        leaving([one], [np.zeros((77, 77), dtype=np.float32)])

@@ -62,8 +62,11 @@ def test_an_eye_outside_or_in_furniture_is_named():
 def test_sensors_outside_are_counted():
     made = room.load(built(sensors={"plane": {"points_m": [INSIDE, OUTSIDE, [-1.0, 1.0, 1.0], WITHIN]}}))
     within, outside = made.doubts(sensors="plane")
-    assert "1 of 4 sensors plane lies within furniture 1, at (0.5, 0.5, 0.4) m" in within
-    assert "2 of 4 sensors plane lie outside of the room, the first at (1.5, -2, 1.2) m" in outside
+    assert "1 of 4 sensors plane lies within furniture 1, number 4 at (0.5, 0.5, 0.4) m" in within
+    assert (
+        "2 of 4 sensors plane lie outside of the room, number 2 at (1.5, -2, 1.2) m, number 3 at (-1, 1, 1) m"
+        in outside
+    )
 
 
 @pytest.mark.parametrize("name", room.names())

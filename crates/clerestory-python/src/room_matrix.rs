@@ -160,6 +160,24 @@ impl PyWindowGroups {
         matrix(py, found)
     }
 
+    /// Mean radiance from outside at a group's windows by patches of exterior light, by that of the patches of windows that are met
+    /// there.
+    #[pyo3(signature = (group, samples, seed, report=None))]
+    fn facade_matrix<'py>(
+        &self,
+        py: Python<'py>,
+        group: usize,
+        samples: u32,
+        seed: u64,
+        report: Option<Py<PyAny>>,
+    ) -> PyResult<Matrix<'py>> {
+        let found = watched(py, report.as_ref(), |progress| {
+            self.room
+                .facade_matrix(group, &self.groups, Paths { samples, seed }, progress)
+        })?;
+        matrix(py, found)
+    }
+
     /// What points (n, 3) with normals (n, 3) see of the windows' directions, in cells of `steps` along each axis.
     #[pyo3(signature = (points, normals, steps, parts, report=None))]
     fn apertures<'py>(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -13,6 +14,7 @@ from clerestory.annual.cache import digest
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from clerestory.annual.facade import Facade
     from clerestory.annual.matrices import RoomMatrices
     from clerestory.weather import SkyYear
 
@@ -47,13 +49,12 @@ class Light:
         """(groups · patches, steps) all that arrives at windows."""
         return self.diffuse + self.directly
 
-    def of(self, steps: NDArray[np.bool_]) -> Light:
-        """Of some of its steps (n)."""
-        if steps.all():
-            return self
-        columns = (self.sky, self.sun, self.diffuse, self.directly)
-        sky, sun, diffuse, directly = (np.compress(steps, a, axis=1) for a in columns)
-        return Light(sky, sun, diffuse, directly, self.suns[steps], self.irradiance[steps])
+    def only(self, steps: NDArray[np.bool_]) -> Light:
+        """With the sun at some of its steps (n) alone, for those who want to know no others.
+
+        The arrays keep their shapes: products of matrices have other last digits for fewer columns.
+        """
+        return replace(self, irradiance=np.where(steps, self.irradiance, 0.0))
 
     @property
     def size(self) -> int:
@@ -74,6 +75,8 @@ class Arrivals:
         Paths of a patch of the windows.
     value
         Whether patches of the sky have its mean, or the value at their centre, which is quicker.
+    facade
+        Through which daylight comes to the windows, for the six-phase method.
     keep
         Light that is kept for the next who asks [B].
     """
@@ -85,12 +88,14 @@ class Arrivals:
         *,
         samples: int = 4096,
         value: Literal["mean", "centre"] = "mean",
+        facade: Facade | None = None,
         keep: int = 1 << 28,
     ) -> None:
         self.matrices = matrices
         self.sky = sky
         self.samples = samples
         self.value: Literal["mean", "centre"] = value
+        self._facade = facade
         self._keep = keep
         self._kept: OrderedDict[tuple[int, int], Light] = OrderedDict()
 
@@ -107,7 +112,8 @@ class Arrivals:
         series = (weather.times.astype(np.int64), weather.interval, weather.direct, weather.diffuse, dew, years)
         where = [weather.place.latitude, weather.place.longitude, weather.time_zone, weather.illuminances]
         choices = [sky.basis, sky.preset, sky.quantity, sky.ground_reflectance, sky.north_deg, sky.method, self.value]
-        return {"sky": digest(*series, where, choices), "daylight": self.samples}
+        facade = None if self._facade is None else self._facade.key
+        return {"sky": digest(*series, where, choices), "daylight": self.samples, "facade": facade}
 
     def at(self, steps: slice) -> Light:
         """The light of those of some steps that have a sky."""
@@ -119,11 +125,12 @@ class Arrivals:
         self._kept.move_to_end(key)
         return self._kept[key]
 
-    @property
+    @cached_property
     def matrix(self) -> tuple[Floats, Floats]:
-        """Radiance at groups' patches by that of the sky's (groups · patches, patches of the sky); all, and the direct."""
+        """Radiance at groups' patches by the sky's (groups · patches, patches of the sky): all, and the direct."""
         groups = range(len(self.matrices))
-        found = [self.matrices.daylight(g, self.sky.patches, samples=self.samples) for g in groups]
+        source = self.matrices if self._facade is None else self._facade
+        found = [source.daylight(g, self.sky.patches, samples=self.samples) for g in groups]
         every: Floats = np.concatenate([d.all for d in found])
         return every, np.concatenate([d.direct for d in found])
 

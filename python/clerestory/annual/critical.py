@@ -94,20 +94,23 @@ def moments(
     """
     if not study.views:
         raise RecipeError("views: critical moments are of views, and there are none (add some to the room)")
-    arrivals = Arrivals(study.matrices, study.sky(_PATCHES), samples=_PATHS, value="centre")
+    arrivals = Arrivals(study.matrices, study.sky(_PATCHES), samples=_PATHS, value="centre", facade=study.facade)
     eyes = {name: (study.room.view(name).point_m, study.room.view(name).direction) for name in study.views}
     year = RoomYear(arrivals, eyes=eyes, sampling=_COARSE)
     steps = len(study.weather)
-    found = {(name, view): np.full((2, steps), np.nan) for name in study.data_sets for view in eyes}
+    found = {(name, view): np.full((2, steps), np.nan) for name in study.names for view in eyes}
     counts = study.hours.weights(study.weather)
-    asked = dict.fromkeys(study.data_sets, counts > 0.0)
-    for name, part in year.of(study.data_sets, progress, when=asked):
+    systems = {key: choice.systems for key, choice in study.choices.items()}
+    asked = {
+        key: counts > 0.0 if choice.when is None else choice.when & (counts > 0.0)
+        for key, choice in study.choices.items()
+    }
+    for key, part in year.of(systems, progress, when=asked):
         for view, values in part.eyes.items():
-            found[name, view][:, part.steps] = values["dgp"], values["illuminance"]
+            found[study.choices[key].data_set, view][:, part.steps] = values["dgp"], values["illuminance"]
     made = []
     for (name, view), (dgp, illuminance) in found.items():
-        systems = tuple(study.data_sets[name])
-        seen = _sun_seen(study, arrivals, systems, np.asarray(eyes[view][0]))
+        seen = _sun_seen(study, arrivals, name, np.asarray(eyes[view][0]))
         bright = simplified_dgp(illuminance) >= limit
         causes = np.where(seen > _SUN, 0, np.where(bright, 1, 2))
         critical = np.flatnonzero((np.nan_to_num(dgp) >= limit) & (counts > 0.0))
@@ -118,13 +121,16 @@ def moments(
     return made
 
 
-def _sun_seen(study: Study, arrivals: Arrivals, systems: tuple[object, ...], point: Doubles) -> Doubles:
+def _sun_seen(study: Study, arrivals: Arrivals, name: str, point: Doubles) -> Doubles:
     """Luminance of the sun's disc that a point (3) sees at every step [cd/m²]; 0 where it is hidden."""
     suns = arrivals.sky.suns
-    through = SunThrough(study.matrices, systems)  # type: ignore[arg-type]
-    straight = through.through(point.reshape(1, 3), suns.directions, suns.irradiance)[0]
-    luminance: Doubles = EFFICACY * straight / SOLAR_SOLID_ANGLE
-    return luminance
+    straight = np.zeros(len(suns.irradiance))
+    for choice in study.choices.values():
+        if choice.data_set == name:
+            through = SunThrough(study.matrices, tuple(choice.systems))
+            shines = suns.irradiance if choice.when is None else np.where(choice.when, suns.irradiance, 0.0)
+            straight += through.through(point.reshape(1, 3), suns.directions, shines)[0]
+    return EFFICACY * straight / SOLAR_SOLID_ANGLE
 
 
 def _chosen(

@@ -30,6 +30,9 @@ if TYPE_CHECKING:
     from clerestory.annual.metrics import PointMetrics
     from clerestory.weather import Weather
 
+    Place = tuple[int | slice | NDArray[np.int64], ...]
+    """Of values in an array; numbers rise."""
+
 VARIABLES: dict[str, tuple[str, str]] = {
     "daylight_autonomy": ("share of the hours with at least the threshold", "1"),
     "continuous_daylight_autonomy": ("mean of min(1, illuminance/threshold)", "1"),
@@ -42,6 +45,7 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "eye_illuminance": ("vertical illuminance at the eye", "lx"),
     "dgp": ("daylight glare probability", "1"),
     "dgi": ("daylight glare index", "1"),
+    "state": ("state of the windows", "1"),
 }
 """Long name and unit of every variable."""
 SUFFIXES = (".nc", ".zarr", ".csv")
@@ -192,7 +196,7 @@ def save_filled(
     path: str | os.PathLike[str],
     name: str,
     dims: Sequence[str],
-    parts: Iterable[tuple[tuple[int | slice, ...], NDArray[np.float32]]],
+    parts: Iterable[tuple[Place, NDArray[np.float32]]],
 ) -> None:
     """Writes netCDF as `save`, with a variable of `VARIABLES` more that comes part by part.
 

@@ -9,6 +9,8 @@ import numpy as np
 
 from clerestory import __version__
 from clerestory._core import ClerestoryError, FileFormatError
+from clerestory.basis import Basis
+from clerestory.sky import SkyPatches
 from clerestory.whole import write_whole
 
 if TYPE_CHECKING:
@@ -21,6 +23,8 @@ Form = Literal["ascii", "float", "double"]
 _TYPES: dict[str, np.dtype[Any]] = {"float": np.dtype("<f4"), "double": np.dtype("<f8")}
 _SIZES = ("NROWS", "NCOLS", "NCOMP")
 _MOST_HEAD = 1 << 20
+BASES = ("klems-full", "klems-half", "klems-quarter", "tregenza")
+"""Whose number of patches an error names, if a matrix has it."""
 
 
 def write(
@@ -60,13 +64,25 @@ def write(
         write_whole(path, head + np.ascontiguousarray(values, dtype=_TYPES[form]).tobytes())
 
 
-def read(path: str | os.PathLike[str]) -> NDArray[np.float64]:
+def read(
+    path: str | os.PathLike[str],
+    *,
+    rows_of: Basis | SkyPatches | None = None,
+    columns_of: Basis | SkyPatches | None = None,
+) -> NDArray[np.float64]:
     """Read a matrix (rows, columns, components).
+
+    Parameters
+    ----------
+    path
+        The file.
+    rows_of, columns_of
+        Patches that its rows or columns must be of, group by group; not looked at by default.
 
     Raises
     ------
     FileFormatError
-        The file is no matrix, or is cut off; the text names the file, what is wrong and the remedy.
+        The file is no matrix, is cut off, or of other patches; the text names the file, what is wrong and the remedy.
     OSError
         It cannot be opened.
     """
@@ -112,4 +128,18 @@ def read(path: str | os.PathLike[str]) -> NDArray[np.float64]:
         raise wrong(f"it holds {len(values)} numbers of {count} and is cut off (write it again)")
     if form == "ascii" and len(values) > count:
         raise wrong(f"it holds {len(values)} numbers where {count} are told of (correct NROWS, NCOLS and NCOMP)")
+    for number, patches, what in ((rows, rows_of, "rows"), (columns, columns_of, "columns")):
+        if patches is not None and number % len(patches):
+            raise wrong(_other_patches(number, patches, what))
     return values[:count].reshape(rows, columns, components) / exposure
+
+
+def _other_patches(number: int, patches: Basis | SkyPatches, what: str) -> str:
+    known: list[Basis | SkyPatches] = [Basis.named(name) for name in BASES]
+    known += [SkyPatches.named(f"reinhart:{n}") for n in range(1, 7)]
+    alike = [other.name for other in known if len(other) == number]
+    fits = f"{' and '.join(alike)} {'has' if len(alike) == 1 else 'have'} so many; " if alike else ""
+    return (
+        f"{number} {what} do not go with the {len(patches)} patches of {patches.name} "
+        f"({fits}make it with {patches.name}, or read it with the patches that it has)"
+    )

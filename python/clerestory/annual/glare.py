@@ -37,9 +37,10 @@ def rate(
     luminances: Floats,
     sun: SunSeen,
     illuminance: Doubles,
+    chosen: NDArray[np.bool_],
     settings: Settings,
 ) -> dict[str, Doubles]:
-    """Indices (steps) by name; not a number where it is dark.
+    """Indices (chosen steps) by name; not a number where it is dark.
 
     Parameters
     ----------
@@ -51,6 +52,8 @@ def rate(
         What the eye sees of the sun [lx, cd/m²].
     illuminance
         At the eye (steps) [lx].
+    chosen
+        Which of the steps are rated (steps).
     settings
         Of the evaluation.
     """
@@ -60,15 +63,18 @@ def rate(
     # A sunlit surface has the room's light besides the sun's.
     surfaces = np.where(sun.surfaces > 0.0, sun.surfaces + around, 0.0)
     view = View.fisheye(eye.point[0], eye.direction[0])
-    disc = np.full(len(illuminance), SOLAR_SOLID_ANGLE)
+    lights = np.column_stack(
+        [sun.directions, sun.straight / SOLAR_SOLID_ANGLE, np.full(len(chosen), SOLAR_SOLID_ANGLE)]
+    )
+    every = np.concatenate([seen[:, chosen], surfaces[:, chosen]]).T
     return dict(
         _core.rate_glare_hours(
             view._core,
             np.concatenate([eye.seen.direction.astype(np.float64), eye.directions]),
             np.concatenate([eye.seen.solid_angle.astype(np.float64), eye.solid_angles]),
-            np.ascontiguousarray(np.concatenate([seen, surfaces]).T, dtype=np.float32),
-            np.column_stack([sun.directions, sun.straight / SOLAR_SOLID_ANGLE, disc]),
-            np.ascontiguousarray(illuminance),
+            np.ascontiguousarray(every, dtype=np.float32),
+            lights[chosen],
+            illuminance[chosen],
             settings,
         )
     )

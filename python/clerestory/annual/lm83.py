@@ -26,6 +26,8 @@ EXPOSED_HOURS = 250.0
 """Hours in the sun above which a point counts as exposed [h]."""
 AUTONOMY, AUTONOMY_SHARE = 300.0, 0.5
 """Illuminance [lx] and share of the hours of spatial daylight autonomy."""
+HOURS = (8.0, 18.0)
+"""Of every day."""
 PREFERRED, ACCEPTED = 0.75, 0.55
 """Spatial daylight autonomy of rooms that are preferred, and nominally accepted."""
 

@@ -5,6 +5,7 @@ They hold for any system in the windows: those are black here, and what they ret
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -17,7 +18,7 @@ from clerestory.photometry import LUMINANCE
 from clerestory.trace.keys import RecipeError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -83,7 +84,7 @@ class RoomMatrices:
         self.seed = seed
         if not room.windows:
             raise RecipeError("the room has no window, so there are no matrices (add one)")
-        keys = [_group_of(window) for window in room.windows]
+        keys = [group_of(window) for window in room.windows]
         names = list(dict.fromkeys(keys))
         self.of_window = [names.index(key) for key in keys]
         """Group of each window."""
@@ -97,7 +98,17 @@ class RoomMatrices:
     @staticmethod
     def systems_of(room: Room) -> list[str]:
         """Name of the system of each group of a room's windows."""
-        return [system for system, _ in dict.fromkeys(_group_of(window) for window in room.windows)]
+        return [system for system, _ in dict.fromkeys(group_of(window) for window in room.windows)]
+
+    @staticmethod
+    def names_of(room: Room) -> list[str]:
+        """Names of the groups of a room's windows: their system, and where they look if it stands in several."""
+        groups = list(dict.fromkeys(group_of(window) for window in room.windows))
+        systems = [system for system, _ in groups]
+        names = [system if systems.count(system) == 1 else f"{system} {_outlook(inward)}" for system, inward in groups]
+        return [
+            name if names.count(name) == 1 else f"{name} {names[: k + 1].count(name)}" for k, name in enumerate(names)
+        ]
 
     def __len__(self) -> int:
         """Number of groups."""
@@ -110,6 +121,13 @@ class RoomMatrices:
     def outside_of(self, group: int) -> NDArray[np.float64]:
         """Points (n, 3) [m] just before a group's windows outside; none where only sky and ground are before them."""
         return self._groups.outside_of(group, _OUTSIDE)
+
+    def sunlit_share(self, group: int, suns: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Share (n) of a group's windows that suns (n, 3) reach from outside, if they stand before it."""
+        points = self.outside_of(group)
+        if not len(points):
+            return np.ones(len(suns))
+        return np.asarray(np.mean(self.outlooks(points, suns) == -2, axis=0))
 
     def view(
         self,
@@ -159,7 +177,7 @@ class RoomMatrices:
                         progress((first + part * (last - first)) / (width * height))
 
                 made = self._groups.picture_matrix(view._core, width, height, first, last, samples, self.seed, share)
-                parts.append(_photopic(made))
+                parts.append(photopic(made))
             return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
         return Matrix(**self.cache.get("picture", {**self.key, **key}, compute))
@@ -219,17 +237,29 @@ class RoomMatrices:
         return groups[windows]
 
     def _of(self, kind: str, key: dict[str, object], compute: Callable[[], tuple[Floats, Floats, Floats]]) -> Matrix:
-        return Matrix(**self.cache.get(kind, {**self.key, **key}, lambda: _photopic(compute())))
+        return Matrix(**self.cache.get(kind, {**self.key, **key}, lambda: photopic(compute())))
 
 
-def _photopic(made: tuple[Floats, Floats, Floats]) -> dict[str, Floats]:
+def photopic(made: tuple[Floats, Floats, Floats]) -> dict[str, Floats]:
+    """Arrays of a `Matrix` from those of Radiance's channels."""
     weights = np.asarray(LUMINANCE, dtype=np.float32)
     every, direct, error = made
     return {"all": every @ weights, "direct": direct @ weights, "standard_error": error}
 
 
-def _group_of(window: WindowOf) -> tuple[str, tuple[float, ...]]:
+def group_of(window: WindowOf) -> tuple[str, tuple[float, ...]]:
     """What windows of a group share: their system, and where they look."""
     edges = window.corners[1:] - window.corners[0]
     normal = np.cross(edges[0], edges[1])
     return window.system, tuple(np.round(normal / np.linalg.norm(normal), 6).tolist())
+
+
+_WALLS = ("north", "north-east", "east", "south-east", "south", "south-west", "west", "north-west")
+
+
+def _outlook(inward: Sequence[float]) -> str:
+    """Where windows look, as a room's walls are named: north is its y axis."""
+    x, y, z = inward
+    if abs(z) > 0.9:
+        return "up" if z < 0.0 else "down"
+    return _WALLS[round(math.degrees(math.atan2(-x, -y)) / 45.0) % 8]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clerestory import _core
-from clerestory._core import MissingDataError
+from clerestory._core import ClerestoryError, MissingDataError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -92,6 +92,19 @@ def leaving(transfers: Sequence[Transfer], returned: Sequence[Floats] | None = N
     Array (groups · patches, groups · patches); columns are incident patches of each group.
     """
     size = len(transfers[0].transmission)
+    for k, transfer in enumerate(transfers):
+        if len(transfer.transmission) != size:
+            raise ClerestoryError(
+                f"windows of {len(transfer.transmission)} patches (group {k + 1}) do not go with {size} of the first "
+                "group (give all transfers one basis)"
+            )
+    shape = (size, len(transfers) * size)
+    for k, matrix in enumerate(returned or ()):
+        if matrix.shape != shape:
+            raise ClerestoryError(
+                f"what the room returns to group {k + 1} is {matrix.shape[0]} × {matrix.shape[1]}, where the windows' "
+                f"interior patches make it {shape[0]} × {shape[1]} (find both on one basis)"
+            )
     whole = np.zeros((len(transfers) * size,) * 2, dtype=np.float64)
     for k, transfer in enumerate(transfers):
         whole[k * size : (k + 1) * size, k * size : (k + 1) * size] = transfer.transmission

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -10,22 +10,25 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
+from clerestory.annual import lm83
 from clerestory.annual.arrivals import Arrivals
 from clerestory.annual.cache import Cache
+from clerestory.annual.control.stage import Stage
+from clerestory.annual.control.states import DataSet, Operated
+from clerestory.annual.control.tables import Lm83, Schedule
+from clerestory.annual.facade import Facade
 from clerestory.annual.matrices import RoomMatrices
-from clerestory.annual.metrics import PointYear, joined
+from clerestory.annual.metrics import THRESHOLDS, PointYear, joined
 from clerestory.annual.year import EYE, RoomYear, Sampling
-from clerestory.room.recipe import System
 from clerestory.room.world import load as load_room
 from clerestory.room.world import system_of
 from clerestory.trace.keys import Keys, Positive, RecipeError, wrong
 from clerestory.trace.recipe import read_toml
 from clerestory.weather import Hours, SkyYear, read_weather, synthetic_year
-from clerestory.weather.calendar import COMMON_YEAR
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -60,7 +63,7 @@ class Recipe(Keys):
     """A room recipe, or the name of one that comes with Clerestory."""
     weather: str | None = None
     """A weather file; without one a year is made up for the room's place, and says so."""
-    method: Literal["2-phase", "3-phase", "5-phase"] = "5-phase"
+    method: Literal["2-phase", "3-phase", "5-phase", "6-phase"] = "5-phase"
     """Whether the direct sun has the resolution of the data set."""
     patches: str = "reinhart:4"
     """Of the sky."""
@@ -78,12 +81,12 @@ class Recipe(Keys):
     """Of the random numbers."""
     memory_gb: Annotated[float, Field(ge=0.25)] = 2.0
     """Memory that may be used [GiB]."""
-    data_sets: dict[str, System] = Field(default_factory=dict)
-    """What stands in all windows, by name; what the room has by default."""
+    data_sets: dict[str, DataSet] = Field(default_factory=dict)
+    """What stands in all windows, by name, in one state or several; what the room has by default."""
 
     @model_validator(mode="after")
     def _sound(self) -> Recipe:
-        if self.views and self.method != "5-phase":
+        if self.views and self.method in ("2-phase", "3-phase"):
             raise wrong("views", "glare needs the sun at a data set's resolution (give the method 5-phase)")
         return self
 
@@ -99,6 +102,18 @@ class Block:
 
 
 @dataclass(frozen=True)
+class Choice:
+    """What stands in the windows at some steps."""
+
+    data_set: str
+    """Name of the data set."""
+    systems: list[Bsdf]
+    """Of every group of windows."""
+    when: NDArray[np.bool_] | None = None
+    """The steps (n); None for all."""
+
+
+@dataclass(frozen=True)
 class Outcome:
     """The year of one data set."""
 
@@ -106,10 +121,16 @@ class Outcome:
     """Of the data set."""
     metrics: dict[str, PointMetrics]
     """Of each name of sensors, over the hours that count."""
+    daylight: dict[str, PointMetrics]
+    """The same over the hours with the sun above the horizon, for EN 17037; none if the weather has none."""
+    lm83: dict[str, PointMetrics]
+    """The same over LM-83's hours, with its blinds if there are states; none if the weather has no such hours."""
     direct_hours: NDArray[np.float64]
-    """(points) hours with more than 1000 lx of direct sun [h]."""
+    """(points) of LM-83's hours those with more than 1000 lx of direct sun, in the most open state [h]."""
     eyes: dict[str, dict[str, NDArray[np.float64]]]
     """Of each view: illuminance [lx] and indices (steps)."""
+    operated: Operated | None = None
+    """How the windows stood, if they have states."""
 
 
 class Study:
@@ -126,12 +147,18 @@ class Study:
         """The weather of its year."""
         self.hours = Hours(**recipe.hours.model_dump())
         """Hours that count."""
+        if not self.hours.mask(self.weather).any():
+            raise RecipeError(f"hours: no step of the weather lies in {self.hours.words} (choose others)")
+        self.groups = RoomMatrices.names_of(self.room)
+        """Names of the groups of windows."""
         self.data_sets = self._data_sets(folder)
-        """Data sets of every group of windows, by name."""
+        """Data sets of every group of windows, by name, that stay as they are."""
+        self.stages = self._stages(folder)
+        """Of data sets with states, by name."""
         known = self.room.recipe
         self.sensors = recipe.sensors or list(known.sensors)
         """Names of sensors, in the order of the points."""
-        views = [] if recipe.method != "5-phase" else list(known.views)
+        views = [] if recipe.method in ("2-phase", "3-phase") else list(known.views)
         self.views = views if recipe.views is None else recipe.views
         """Names of views."""
         for name in self.views:
@@ -155,15 +182,64 @@ class Study:
         progress
             Called with the share of the year that is done.
         """
-        weights = self.hours.weights(self.weather)
-        collected = {name: _Collected(self, name) for name in self.data_sets}
+        collected = {name: _Collected(self, name) for name in self.names}
         for block, name, part in self.parts(progress):
-            collected[name].add(block, part, weights[part.steps])
+            collected[name].add(block, part)
         return [each.outcome() for each in collected.values()]
+
+    @cached_property
+    def warnings(self) -> list[str]:
+        """What is doubtful about the room, and about the places of sensors and eyes."""
+        return [
+            *self.room.warnings,
+            *(text for name in self.sensors for text in self.room.doubts(sensors=name)),
+            *(text for name in self.views for text in self.room.doubts(view=name)),
+        ]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the data sets, in the order of the recipe."""
+        return list(self.recipe.data_sets) or list(self.data_sets)
+
+    @cached_property
+    def operated(self) -> dict[str, Operated]:
+        """How the windows stand over the year, by the name of the data set that has states.
+
+        Raises
+        ------
+        RecipeError
+            A law does not say a state at every step.
+        """
+        return {name: self._operated(name) for name in self.stages}
+
+    def _operated(self, name: str) -> Operated:
+        law, stage = self.recipe.data_sets[name].control, self.stages[name]
+        assert law is not None
+        place = f"data_sets.{name}.control"
+        if isinstance(law, Schedule):
+            states = law.chosen(stage, place)
+        else:
+            # All who work on a study find the same: the last digits of light can depend on the machine.
+            key = {**stage.key, "law": law.model_dump()}
+            states = self.cache.get("states", key, lambda: {"states": law.chosen(stage, place)})["states"]
+        return Operated(tuple(stage.states), tuple(stage.groups), states)
+
+    @cached_property
+    def choices(self) -> dict[str, Choice]:
+        """What stands in the windows and when, by a name of its own: each data set, or each combination of states."""
+        made = {}
+        for name in self.names:
+            if name in self.data_sets:
+                made[name] = Choice(name, self.data_sets[name])
+                continue
+            bsdfs = self.stages[name].data_sets
+            for numbers, when in self.operated[name].combinations():
+                made[f"{name} {numbers}"] = Choice(name, [bsdfs[k] for k in numbers], when)
+        return made
 
     def parts(self, progress: Callable[[float], object] | None = None) -> Iterator[tuple[Block, str, Part]]:
         """The years of the data sets, some points or eyes and some steps at a time."""
-        names = list(self.data_sets)
+        names = list(self.choices)
         size = max(1, int(self._memory / 4.0 / (_PREPARED * len(self.matrices) ** 2)))
         batches = [names[first : first + size] for first in range(0, len(names), size)]
         done, count = 0, len(self.blocks) * len(batches)
@@ -175,8 +251,11 @@ class Study:
                     if progress is not None:
                         progress((done + share) / count)
 
-                for name, part in year.of({name: self.data_sets[name] for name in batch}, tell):
-                    yield block, name, part
+                chosen = {name: self.choices[name] for name in batch}
+                systems = {name: choice.systems for name, choice in chosen.items()}
+                when = {name: choice.when for name, choice in chosen.items() if choice.when is not None}
+                for name, part in year.of(systems, tell, when=when):
+                    yield block, chosen[name].data_set, part
                 done += 1
 
     @cached_property
@@ -199,7 +278,8 @@ class Study:
             self.points[block.points],
             self.normals[block.points],
             {name: (self.room.view(name).point_m, self.room.view(name).direction) for name in block.views},
-            method=self.recipe.method,
+            # The sixth phase is in what arrives.
+            method="5-phase" if self.recipe.method == "6-phase" else self.recipe.method,
             sampling=Sampling(view=self.recipe.paths),
         )
 
@@ -207,6 +287,11 @@ class Study:
     def matrices(self) -> RoomMatrices:
         """Of its room."""
         return RoomMatrices(self.room, cache=self.cache, seed=self.recipe.seed)
+
+    @cached_property
+    def facade(self) -> Facade | None:
+        """What stands before its windows, for the six-phase method."""
+        return Facade(self.matrices) if self.recipe.method == "6-phase" else None
 
     def sky(self, patches: str) -> SkyYear:
         """The skies of its weather in patches."""
@@ -216,7 +301,8 @@ class Study:
 
     @cached_property
     def _arrivals(self) -> Arrivals:
-        return Arrivals(self.matrices, self.sky(self.recipe.patches), keep=int(self._memory / 8.0))
+        sky, keep = self.sky(self.recipe.patches), int(self._memory / 8.0)
+        return Arrivals(self.matrices, sky, facade=self.facade, keep=keep)
 
     @property
     def _memory(self) -> float:
@@ -231,19 +317,43 @@ class Study:
             raise RecipeError("weather: there is no file, and the room has no place to make one up for (give a file)")
         from clerestory.sky import Place
 
-        at = Place(place.latitude, place.longitude, place.timezone)
-        return synthetic_year(Place(at.latitude, at.longitude, at.standard_hours(COMMON_YEAR)))
+        there = Place(place.latitude, place.longitude, place.timezone)
+        return synthetic_year(replace(there, timezone=there.standard_hours(_TYPICAL)))
 
     def _data_sets(self, folder: Path) -> dict[str, list[Bsdf]]:
         groups = RoomMatrices.systems_of(self.room)
         if not self.recipe.data_sets:
             return {"as in the room": [self.room.system(name) for name in groups]}
-        made = {name: system_of(s, f"data_sets.{name}", folder)[0] for name, s in self.recipe.data_sets.items()}
+        lasting = {name: s for name, s in self.recipe.data_sets.items() if not s.states}
+        made = {name: system_of(s, f"data_sets.{name}", folder)[0] for name, s in lasting.items()}
         return {name: [bsdf] * len(groups) for name, bsdf in made.items()}
+
+    def _stages(self, folder: Path) -> dict[str, Stage]:
+        made = {}
+        for name, given in self.recipe.data_sets.items():
+            if given.control is None:
+                continue
+            key = f"data_sets.{name}"
+            bsdfs = {s: system_of(state, f"{key}.states.{s}", folder)[0] for s, state in given.states.items()}
+            tilts = [state.tilt_deg for state in given.states.values()]
+            made[name] = Stage(
+                self.room,
+                self.weather,
+                bsdfs,
+                tilts,
+                self.groups,
+                self.hours,
+                folder,
+                lambda: self._arrivals,
+                Sampling(view=self.recipe.paths),
+            )
+            given.control.check(made[name], f"{key}.control")
+        return made
 
 
 _THRESHOLDS = (50.0, 100.0, 300.0, 500.0, 750.0)
-_SUNLIT = 1000.0
+_TYPICAL = 2001
+"""Year whose clock counts where the weather is made up."""
 _EYES = 16
 """Eyes that are found together."""
 _SEEN = 64.0
@@ -259,15 +369,55 @@ class _Collected:
 
     def __init__(self, study: Study, name: str) -> None:
         steps = len(study.weather)
-        self._name = name
-        self._places = study.places
-        self._thresholds = sorted({study.recipe.threshold_lx, *_THRESHOLDS})
-        self._metrics: dict[str, dict[int, PointYear]] = {key: {} for key in study.places}
+        self._study, self._name = study, name
+        thresholds = sorted({study.recipe.threshold_lx, *_THRESHOLDS})
+        self._counted = _Points(study.places, study.hours.weights(study.weather), thresholds)
+        self._daylight = _Points(study.places, Hours.all_daylight().weights(study.weather), THRESHOLDS)
+        self._working = Hours(*lm83.HOURS, clock=study.hours.clock).weights(study.weather)
+        self._lm83 = _Points(study.places, self._working, [lm83.AUTONOMY])
         self._in_sun = np.zeros(len(study.points))
         self._eyes = {view: {key: np.full(steps, np.nan) for key in EYE} for view in study.views}
 
-    def add(self, block: Block, part: Part, weights: NDArray[np.float64]) -> None:
-        """Some steps, with the hours that each counts for."""
+    def add(self, block: Block, part: Part) -> None:
+        """Some steps of some points or eyes."""
+        for points in (self._counted, self._daylight, self._lm83):
+            points.add(block, part)
+        self._in_sun[block.points] += self._working[part.steps] @ (part.direct > lm83.SUNLIT)
+        for view, values in part.eyes.items():
+            for key, series in values.items():
+                self._eyes[view][key][part.steps] = series
+
+    def outcome(self) -> Outcome:
+        """All of it."""
+        by_lm83 = self._lm83.result()
+        stage = self._study.stages.get(self._name)
+        if stage is not None and by_lm83:
+            law = self._study.recipe.data_sets[self._name].control
+            for key, place in self._study.places.items():
+                points, normals = self._study.points[place], self._study.normals[place]
+                blinds, self._in_sun[place] = stage.lm83_year(points, normals, self._working)
+                if not isinstance(law, Lm83):
+                    by_lm83[key] = blinds
+        return Outcome(
+            self._name,
+            self._counted.result(),
+            self._daylight.result(),
+            by_lm83,
+            self._in_sun,
+            self._eyes,
+            None if stage is None else self._study.operated[self._name],
+        )
+
+
+class _Points:
+    """Metrics of named sensors over some hours."""
+
+    def __init__(self, places: dict[str, slice], weights: NDArray[np.float64], thresholds: Sequence[float]) -> None:
+        self._places, self._weights, self._thresholds = places, weights, thresholds
+        self._metrics: dict[str, dict[int, PointYear]] = {key: {} for key in places}
+
+    def add(self, block: Block, part: Part) -> None:
+        """Some steps of some points."""
         first = block.points.start
         for key, place in self._places.items():
             start, stop = max(place.start, first), min(place.stop, block.points.stop)
@@ -275,16 +425,14 @@ class _Collected:
                 continue
             if start not in self._metrics[key]:
                 self._metrics[key][start] = PointYear(stop - start, thresholds=self._thresholds)
-            self._metrics[key][start].add(part.illuminance[:, start - first : stop - first], weights)
-        self._in_sun[block.points] += weights @ (part.direct > _SUNLIT)
-        for view, values in part.eyes.items():
-            for key, series in values.items():
-                self._eyes[view][key][part.steps] = series
+            values = part.illuminance[:, start - first : stop - first]
+            self._metrics[key][start].add(values, self._weights[part.steps])
 
-    def outcome(self) -> Outcome:
-        """All of it."""
-        metrics = {key: joined([points.result() for points in found.values()]) for key, found in self._metrics.items()}
-        return Outcome(self._name, metrics, self._in_sun, self._eyes)
+    def result(self) -> dict[str, PointMetrics]:
+        """By name; none if no hour counts."""
+        if not self._weights.any():
+            return {}
+        return {key: joined([points.result() for points in found.values()]) for key, found in self._metrics.items()}
 
 
 def load(source: str | os.PathLike[str], *, cache: str | os.PathLike[str] | None = None) -> Study:

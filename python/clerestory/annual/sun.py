@@ -117,7 +117,7 @@ class SunThrough:
             here = np.flatnonzero(numbers // self.steps**2 == group)
             if not len(facing) or not len(here):
                 continue
-            lit = self._lit(group, suns[facing])
+            lit = self.matrices.sunlit_share(group, suns[facing])
             outgoing = cells[numbers[here] % self.steps**2]
             falls = -incident[facing, 2] * irradiance[facing] * lit
             apart = np.arange(len(facing))
@@ -159,10 +159,3 @@ class SunThrough:
             groups, factors = self.matrices.sunlit(eye.point[0], eye.directions, suns[up])
             surfaces[:, up] = np.where(groups >= 0, factors * passed[:, up][groups, np.arange(len(up))], 0.0)
         return SunSeen(suns, straight, surfaces)
-
-    def _lit(self, group: int, suns: Doubles) -> Doubles:
-        """Share of a group's windows that each sun reaches from outside."""
-        points = self.matrices.outside_of(group)
-        if not len(points):
-            return np.ones(len(suns))
-        return np.asarray(np.mean(self.matrices.outlooks(points, suns) == -2, axis=0))

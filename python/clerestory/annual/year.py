@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from clerestory._core import ClerestoryError
 from clerestory.annual.cache import digest
@@ -61,14 +62,20 @@ class Sampling:
 class Part:
     """Some steps of a year."""
 
-    steps: slice
-    """Which."""
+    steps: slice | NDArray[np.int64]
+    """Which: all of a part of the year, or those that were asked for."""
     illuminance: Floats
     """(steps, points) [lx]."""
     direct: Floats
     """(steps, points) the sun's part that has met nothing in the room [lx]."""
     eyes: dict[str, dict[str, Doubles]] = field(default_factory=dict)
     """Of each eye, by name: illuminance [lx] and indices (steps)."""
+
+    def of(self, rows: NDArray[np.int64]) -> Part:
+        """Some of its steps, by their place in it."""
+        eyes = {name: {key: values[rows] for key, values in found.items()} for name, found in self.eyes.items()}
+        numbers = np.arange(self.steps.start, self.steps.stop) if isinstance(self.steps, slice) else self.steps
+        return Part(numbers[rows], self.illuminance[rows], self.direct[rows], eyes)
 
 
 class RoomYear:
@@ -143,7 +150,7 @@ class RoomYear:
         progress
             Called with the share that is done.
         when
-            The steps (n) that are asked for of some data sets; the others are as dark as the night.
+            The steps (n) that are asked for of some data sets; parts have no others.
         steps
             Which of `chunks`; all by default.
         """
@@ -159,7 +166,10 @@ class RoomYear:
         for done, part in enumerate(chunks, start=1):
             for name, systems in data_sets.items():
                 lit = is_lit[part]
-                asked = lit & when[name][part] if when is not None and name in when else lit
+                wanted = None if when is None else when.get(name)
+                if wanted is not None and not wanted[part].any():
+                    continue
+                asked = lit if wanted is None else lit & wanted[part]
 
                 def compute(
                     part: slice = part,
@@ -167,15 +177,42 @@ class RoomYear:
                     systems: Sequence[Bsdf] = systems,
                     chosen: NDArray[np.bool_] = asked[lit],
                 ) -> Arrays:
-                    if name not in prepared:
-                        prepared[name] = self._prepared(systems)
-                    return self._computed(self.arrivals.at(part).of(chosen), *prepared[name])
+                    # Products of matrices have other last digits with another number of threads.
+                    with threadpool_limits(1, user_api="blas"):
+                        if name not in prepared:
+                            prepared[name] = self._prepared(systems)
+                        return self._computed(self.arrivals.at(part), chosen, *prepared[name])
 
-                key = self._key | {"systems": marks[name], "steps": [part.start, part.stop], "asked": digest(asked)}
+                key = self._key_of(marks[name], part, asked)
                 found = self.matrices.cache.get("part", key, compute) if asked.any() else {}
-                yield name, self._part(part, np.flatnonzero(asked), found)
+                made = self._part(part, np.flatnonzero(asked), found)
+                yield name, made if wanted is None else made.of(np.flatnonzero(wanted[part]))
             if progress is not None:
                 progress(done / len(chunks))
+
+    def missing(self, systems: Sequence[Bsdf], when: NDArray[np.bool_] | None = None) -> list[slice]:
+        """Those of `chunks` that the cache does not hold for one choice of systems, and some steps (n)."""
+        marks = [mark(bsdf) for bsdf in systems]
+        is_lit, cache = self.arrivals.sky.is_lit, self.matrices.cache
+        asked = is_lit if when is None else is_lit & when
+        return [
+            part
+            for part in self.chunks
+            if asked[part].any() and not cache.path_of("part", self._key_of(marks, part, asked[part])).is_file()
+        ]
+
+    def prepare(self) -> None:
+        """Find the matrices, which hold for all systems, for the cache."""
+        _ = self.arrivals.matrix, self._returned
+        if len(self._points):
+            _ = self._view
+            if self.method != "3-phase":
+                _ = self._cells
+        if self._lines:
+            _ = self._eye_views, self._eye_cells
+
+    def _key_of(self, marks: list[str], part: slice, asked: NDArray[np.bool_]) -> dict[str, object]:
+        return self._key | {"systems": marks, "steps": [part.start, part.stop], "asked": digest(asked)}
 
     @cached_property
     def _key(self) -> dict[str, object]:
@@ -203,19 +240,33 @@ class RoomYear:
         at, towards = (np.concatenate([getattr(e, key) for e in self._eyes.values()]) for key in ("point", "direction"))
         return SeenCells(self.matrices, at, towards, self.sampling.eye_cells)
 
+    @cached_property
+    def _eye_views(self) -> tuple[Matrix, Matrix]:
+        """View matrices of the eyes with what has met nothing as direct, and with one meeting more.
+
+        A beam of the sun is exact together with what it lights.
+        """
+        at, towards = self._eye_cells.points, self._eye_cells.normals
+        samples = self.sampling.view
+        met = self.matrices.view(at, towards, direct_meetings=1, samples=samples)
+        return self.matrices.view(at, towards, samples=samples), met
+
     def _prepared(self, systems: Sequence[Bsdf]) -> tuple[Lit | Coefficients | None, _Eyes | None]:
         transfers = [Transfer.of(bsdf, self.matrices.basis) for bsdf in systems]
         once, whole = leaving(transfers), leaving(transfers, self._returned)
         points = self._of_points(systems, once, whole) if len(self._points) else None
         return points, _Eyes(self, systems, transfers, once, whole) if self._lines else None
 
-    def _computed(self, light: Light, points: Lit | Coefficients | None, eyes: _Eyes | None) -> Arrays:
-        """What is found at the steps of some light."""
+    def _computed(
+        self, light: Light, chosen: NDArray[np.bool_], points: Lit | Coefficients | None, eyes: _Eyes | None
+    ) -> Arrays:
+        """What is found at the chosen steps of some light."""
         made: Arrays = {}
+        only = light.only(chosen)
         if points is not None:
-            made["illuminance"], made["direct"] = points.illuminance(light)
+            made["illuminance"], made["direct"] = (values[chosen] for values in points.illuminance(only))
         if eyes is not None:
-            rated = eyes.rated(light)
+            rated = eyes.rated(only, chosen)
             made["eyes"] = np.array([[rated[name][index] for index in EYE] for name in self._lines])
         return made
 
@@ -261,21 +312,17 @@ class _Eyes:
     def __init__(
         self, year: RoomYear, systems: Sequence[Bsdf], transfers: Sequence[Transfer], once: Floats, whole: Floats
     ) -> None:
-        matrices, sampling = year.matrices, year.sampling
         self._eyes = year._eyes
         self._settings = year.settings
         cells = year._eye_cells
-        at, towards = cells.points, cells.normals
         self._seen = SeenWindows(cells, systems, year.arrivals.sky.patches._core)
-        view = matrices.view(at, towards, samples=sampling.view)
+        view, met = year._eye_views
         self._lit = Lit(view, once, whole, self._seen)
-        # A beam of the sun is exact together with what it lights, which is one meeting more.
-        met = matrices.view(at, towards, direct_meetings=1, samples=sampling.view)
         self._by_beams = (met.direct - view.direct) * np.concatenate([transfer.beam for transfer in transfers])
         self._returns = (whole - once)[self._seen.sky.patch]
 
-    def rated(self, light: Light) -> dict[str, dict[str, Doubles]]:
-        """Illuminance [lx] and indices (steps) of each eye."""
+    def rated(self, light: Light, chosen: NDArray[np.bool_]) -> dict[str, dict[str, Doubles]]:
+        """Illuminance [lx] and indices (steps) of each eye at the chosen steps."""
         cells = self._seen.light(light)
         suns = [
             self._seen.through.seen_by(eye, light.suns, light.irradiance, straight)
@@ -286,8 +333,10 @@ class _Eyes:
         illuminance = EFFICACY * np.maximum(lit, 0.0)
         luminances = (EFFICACY * (cells.sky + cells.sun + self._returns @ light.arrives)).astype(np.float32)
         found: dict[str, dict[str, Doubles]] = {}
-        dark = np.full(light.steps, np.nan)
+        dark = np.full(np.count_nonzero(chosen), np.nan)
         for (name, eye), sun, at_eye in zip(self._eyes.items(), suns, illuminance, strict=True):
-            rated = rate(eye, self._seen.cells.numbers, luminances, sun.scaled(EFFICACY), at_eye, self._settings)
-            found[name] = {"illuminance": at_eye} | {index: rated.get(index, dark) for index in INDICES}
+            rated = rate(
+                eye, self._seen.cells.numbers, luminances, sun.scaled(EFFICACY), at_eye, chosen, self._settings
+            )
+            found[name] = {"illuminance": at_eye[chosen]} | {index: rated.get(index, dark) for index in INDICES}
         return found

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from clerestory.cli.common import JsonOption, UsageError, note, print_json, progress, say, table
+from clerestory.cli.common import JsonOption, UsageError, about, note, print_json, progress, say, table
 
 if TYPE_CHECKING:
     from clerestory.annual.study import Study
@@ -24,6 +24,14 @@ def annual(
     cache: Annotated[
         Path | None,
         typer.Option("--cache", metavar="FOLDER", help="Of matrices that are kept; $CLERESTORY_CACHE by default."),
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option("--workers", metavar="N", min=1, help="Run with so many Dask workers on this machine."),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option("--scheduler", metavar="ADDRESS", help="Run on a Dask cluster that sees the same folders."),
     ] = None,
     critical: Annotated[
         bool,
@@ -43,16 +51,24 @@ def annual(
 
     if output is not None and output.exists() and not output.is_dir():
         raise UsageError(f"{output}: is a file (give a folder)")
+    if workers is not None and scheduler is not None:
+        raise UsageError("--workers and --scheduler are two ways (give one)")
     made = load(study, cache=cache)
-    for text in made.room.warnings:
+    for text in made.warnings:
         note(f"warning: {text}")
     if dry_run:
         _tell_plan(made, as_json=as_json)
         return
     if critical:
-        _tell_moments(made, output, as_json=as_json)
+        with about(study):
+            _tell_moments(made, output, as_json=as_json)
         return
-    with progress("year") as tell:
+    if workers is not None or scheduler is not None:
+        from clerestory.annual.cluster import cluster, spread
+
+        with cluster(scheduler=scheduler, workers=workers) as client, about(study), progress("workers") as tell:
+            spread(made, study, client, tell)
+    with about(study), progress("year") as tell:
         outcomes = made.run(tell)
     for text in made.cache.warnings:
         note(f"warning: {text}")
@@ -64,6 +80,7 @@ def annual(
                 "weather": made.weather.source,
                 "hours": made.hours.words,
                 "method": made.recipe.method,
+                "warnings": [*made.warnings, *made.cache.warnings],
                 "data_sets": found,
                 "written": [str(path) for path in written],
             }
@@ -72,8 +89,10 @@ def annual(
     say(f"{made.recipe.name or study.stem}: {made.weather.source}; {made.hours.words}; {made.recipe.method}")
     autonomy = f"DA {made.recipe.threshold_lx:g} lx"
     for head, rows in (
-        (["data set", "sensors", autonomy, "sDA 300/50 %", "ASE 1000,250", "mean E"], _of_sensors(found)),
+        (["data set", "sensors", autonomy, "mean E", "EN 17037 provision"], _of_sensors(found)),
+        (["data set", "sensors", "sDA 300/50 %", "ASE 1000,250", "sDA is", "blinds"], _of_lm83(found)),
         (["data set", "view", "mean E_v", "DGP exceeded in 5 %", "EN 17037 glare"], _of_views(found)),
+        (["data set", "windows", "states, share of the hours"], _of_states(found)),
     ):
         if rows:
             say(table(head, rows, left=2))
@@ -85,8 +104,29 @@ def _of_sensors(found: list[dict[str, Any]]) -> list[list[str]]:
     rows = []
     for record in found:
         for name, values in record["sensors"].items():
-            shares = [f"{100.0 * values[key]:.1f} %" for key in ("daylight_autonomy", "sDA300_50", "ASE1000_250")]
-            rows.append([str(record["data_set"]), name, *shares, f"{values['mean_illuminance_lx']:.0f} lx"])
+            autonomy, mean = 100.0 * values["daylight_autonomy"], values["mean_illuminance_lx"]
+            level = "no daylight" if values["en17037_areas"] is None else values["en17037_provision"] or "below minimum"
+            rows.append([str(record["data_set"]), name, f"{autonomy:.1f} %", f"{mean:.0f} lx", str(level)])
+    return rows
+
+
+def _of_lm83(found: list[dict[str, Any]]) -> list[list[str]]:
+    rows = []
+    for record in found:
+        for name, values in record["sensors"].items():
+            if values["sDA300_50"] is None:
+                continue
+            shares = [f"{100.0 * values[key]:.1f} %" for key in ("sDA300_50", "ASE1000_250")]
+            rows.append([str(record["data_set"]), name, *shares, values["sDA_rating"], values["sDA_blinds"]])
+    return rows
+
+
+def _of_states(found: list[dict[str, Any]]) -> list[list[str]]:
+    rows = []
+    for record in found:
+        for group, shares in record.get("states", {}).items():
+            words = ", ".join(f"{name} {100.0 * share:.1f} %" for name, share in shares.items())
+            rows.append([str(record["data_set"]), group, words])
     return rows
 
 
@@ -135,20 +175,26 @@ def _tell_moments(study: Study, output: Path | None, *, as_json: bool) -> None:
 
 
 def _tell_plan(study: Study, *, as_json: bool) -> None:
-    steps, points = len(study.weather), len(study.points)
-    plan = {
+    from clerestory.annual.plan import plan
+
+    made = plan(study)
+    told = {
         "room": study.room.name,
         "weather": study.weather.source,
-        "steps": steps,
-        "points": points,
+        "steps": len(study.weather),
+        "points": len(study.points),
         "views": study.views,
-        "data_sets": list(study.data_sets),
+        "data_sets": study.names,
         "method": study.recipe.method,
+        "memory_gb": study.recipe.memory_gb,
         "cache": str(study.cache.folder),
-        "memory_of_results_mb": round(4e-6 * steps * points * len(study.data_sets), 1),
+        "parts": made.parts,
+        "parts_missing": made.missing,
+        "seconds_about": round(made.seconds, 1),
+        "disk_mb_about": round(made.disk_mb, 1),
     }
     if as_json:
-        print_json(plan)
+        print_json(told)
         return
-    for key, value in plan.items():
+    for key, value in told.items():
         say(f"{key.replace('_', ' ')}: {'; '.join(value) if isinstance(value, list) else value}")

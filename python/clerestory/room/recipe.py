@@ -10,7 +10,7 @@ from clerestory.trace.keys import Fraction, Keys, NotNegative, Number, Positive,
 from clerestory.trace.materials import Material
 
 if TYPE_CHECKING:
-    pass
+    from typing import Self
 
 Point = Annotated[list[Number], Field(min_length=3, max_length=3)]
 """x, y, z [m]: east, north, up, unless the sky's north is turned."""
@@ -107,10 +107,13 @@ class System(Keys):
     """The file's interior is put to the exterior."""
 
     @model_validator(mode="after")
-    def _one(self) -> System:
+    def _sound(self) -> Self:
+        self._check()
+        return self
+
+    def _check(self) -> None:
         if (self.file is None) == (self.glass is None):
             raise wrong("file", "either a file or glass is asked for (give one of them)")
-        return self
 
 
 class Opening(Keys):
@@ -173,6 +176,15 @@ class Geometry(Keys):
     """Of its lengths."""
     material: str | Fraction | None = None
     """For surfaces whose name is not among the materials."""
+    facade: bool = False
+    """Whether they stand between the windows and the ports, for the six-phase method."""
+
+
+class Port(Keys):
+    """An opening before a façade, through which daylight comes to what stands there and to the windows."""
+
+    corners_m: Annotated[list[Point], Field(min_length=3)]
+    """Corners [m], counter-clockwise as seen from the façade."""
 
 
 class Window(Keys):
@@ -252,6 +264,8 @@ class Recipe(Keys):
     """Window polygons by name."""
     systems: dict[str, System] = Field(default_factory=dict)
     """Window systems by name."""
+    ports: dict[str, Port] = Field(default_factory=dict)
+    """Openings before the façade, for the six-phase method, by name."""
     lights: dict[str, Light] = Field(default_factory=dict)
     """Polygons that shine, by name."""
     materials: dict[str, Material] = Field(default_factory=dict)

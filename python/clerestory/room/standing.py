@@ -11,6 +11,8 @@ if TYPE_CHECKING:
 
 OPEN = 0.25
 """A point that sees no window from the room, but this share of all directions in the open, is outside."""
+NAMED = 6
+"""So many points of one fault are named, with their numbers from 1."""
 INTO_THE_OPEN = 0.5
 """A window whose face to the room sees more than this share in the open, and more than its other face, is the wrong
 way round."""
@@ -38,36 +40,38 @@ def of_points(core: _core.Room, points: Iterable[Sequence[float]], what: str) ->
     """What is doubtful about the places of an eye or of sensors [m]; `what` they are called."""
     if not core.windows():
         return []
-    within: dict[str, list[str]] = {}
-    outside, count, shares = [], 0, []
+    within: dict[str, list[tuple[int, str]]] = {}
+    outside: list[tuple[int, str]] = []
+    count, shares = 0, []
     for point in points:
         count += 1
         x, y, z = (float(v) for v in point)
         open_share, windows, body = core.around((x, y, z))
-        place = f"({x:g}, {y:g}, {z:g}) m"
+        place = f"at ({x:g}, {y:g}, {z:g}) m"
         if body is not None:
-            within.setdefault(body, []).append(place)
+            within.setdefault(body, []).append((count, place))
         elif windows == 0.0 and open_share > OPEN:
-            outside.append(place)
+            outside.append((count, place))
             shares.append(open_share)
 
-    def some(places: list[str]) -> str:
+    def some(places: list[tuple[int, str]]) -> str:
         if count == 1:
-            return f"{what} at {places[0]} lies"
+            return f"{what} {places[0][1]} lies"
         return f"{len(places)} of {count} {what} {'lies' if len(places) == 1 else 'lie'}"
 
-    def first(places: list[str]) -> str:
+    def which(places: list[tuple[int, str]]) -> str:
         if count == 1:
             return ""
-        return f", {'at' if len(places) == 1 else 'the first at'} {places[0]}"
+        words = ", ".join(f"number {number} {place}" for number, place in places[:NAMED])
+        return f", {words}{f' and {len(places) - NAMED} more' if len(places) > NAMED else ''}"
 
     doubts = [
-        f"{some(places)} within {body}{first(places)} (move {'it' if count == 1 else 'them'} out)"
+        f"{some(places)} within {body}{which(places)} (move {'it' if count == 1 else 'them'} out)"
         for body, places in within.items()
     ]
     if outside:
         doubts.append(
-            f"{some(outside)} outside of the room{first(outside)}: {100.0 * max(shares):.0f} % of all directions are "
+            f"{some(outside)} outside of the room{which(outside)}: {100.0 * max(shares):.0f} % of all directions are "
             f"open, and no window is seen from the room (move {'it' if count == 1 else 'them'} inside)"
         )
     return doubts

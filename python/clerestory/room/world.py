@@ -124,6 +124,16 @@ class Room:
         return self.recipe.name or "room"
 
     @property
+    def ports(self) -> list[WindowOf]:
+        """Openings before its façade."""
+        return [WindowOf(name, np.array(port.corners_m), "") for name, port in self.recipe.ports.items()]
+
+    def without_facade(self) -> Room:
+        """The same room without what stands between its windows and its ports."""
+        kept = [geometry for geometry in self.recipe.geometry if not geometry.facade]
+        return Room(self.recipe.model_copy(update={"geometry": kept}), self.folder)
+
+    @property
     def files(self) -> list[Path]:
         """Files of data sets that it scatters by: of windows, and of materials."""
         used = self._bsdfs if self._in_windows is None else ()
@@ -321,14 +331,18 @@ class Room:
         windows = [(w.corners.tolist(), w.system, list(w.up)) for w in self.windows]
         return self._shapes.described(), [self._surfaces, materials, self._media, windows]
 
-    def bare(self) -> _core.Room:
-        """The same room, without lights, with windows that send evenly: for what does not depend on systems and sky."""
+    def bare(self, *, ports: bool = False) -> _core.Room:
+        """The same room, without lights, with windows that send evenly: for what does not depend on systems and sky.
+
+        With ports, these are windows too, behind the others.
+        """
         from clerestory.bsdf import Bsdf
         from clerestory.model import Model
         from clerestory.sky import Sky
 
         even = Bsdf.from_models({"visible": {("exterior", "transmission"): Model.lambertian(1.0)}})
-        windows = [(w.name, w.corners.tolist(), even._core, _GREY, list(w.up)) for w in self.windows]
+        openings = self.windows + (self.ports if ports else [])
+        windows = [(w.name, w.corners.tolist(), even._core, _GREY, list(w.up)) for w in openings]
         return self._room(windows, [], Sky.uniform())
 
     def _grid(self, sensors: keys.Sensors, key: str) -> NDArray[np.float64]:

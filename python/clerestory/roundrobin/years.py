@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from clerestory.annual.cache import Arrays, Cache
     from clerestory.annual.study import Study
+    from clerestory.annual.year import Part
     from clerestory.room import Room
     from clerestory.roundrobin import recipe as keys
     from clerestory.roundrobin.pieces import Tell
@@ -67,6 +68,8 @@ class Years:
         self._folder = folder
         self._cache = store
         self._study = cache(self._made_study)
+        # Kept, so that what does not depend on data sets is found once.
+        self._parts = cache(lambda seed: [(block, self._study(seed).year(block)) for block in self._study(seed).blocks])
         first = self._study(seeds[0])
         self.room: Room = first.room
         self.view = self.room.view(recipe.view)
@@ -93,18 +96,19 @@ class Years:
         for seed in self.seeds if repeated else self.seeds[:1]:
 
             def compute(tell: Tell, seed: int = seed) -> Arrays:
-                study = self._study(seed)
-                study.data_sets = {str(case): [system.treated(case)] * len(study.matrices)}
+                parts = self._parts(seed)
+                systems = [system.treated(case)] * len(self._study(seed).matrices)
                 steps = len(self.weather)
                 illuminance = np.zeros((steps, len(self.points)), dtype=np.float32)
                 series = {name: np.zeros(steps, dtype=np.float32) for name in ("eye_illuminance", "dgp", "dgi")}
-                for block, _, part in study.parts(tell):
-                    illuminance[part.steps, block.points] = part.illuminance
-                    for eye in part.eyes.values():
-                        series["eye_illuminance"][part.steps] = eye["illuminance"]
-                        for index in ("dgp", "dgi"):
-                            # Where it is dark there is no glare, and the hour counts.
-                            series[index][part.steps] = np.nan_to_num(eye[index])
+                for done, (block, year) in enumerate(parts):
+
+                    def share(part: float, done: int = done) -> None:
+                        tell((done + part) / len(parts))
+
+                    for _, part in year.of({str(case): systems}, share):
+                        illuminance[part.steps, block.points] = part.illuminance
+                        _add(series, part)
                 return {"illuminance": illuminance, **series}
 
             steps = len(self.weather)
@@ -150,6 +154,15 @@ class Years:
         eye = [self.view.point_m, self.view.direction]
         where = {"points": digest(study.points, study.normals), "eye": eye, "paths": self.recipe.paths}
         return {**study.matrices.key, **arrives, **where}
+
+
+def _add(series: dict[str, Floats], part: Part) -> None:
+    """Some steps of the eye."""
+    for eye in part.eyes.values():
+        series["eye_illuminance"][part.steps] = eye["illuminance"]
+        for index in ("dgp", "dgi"):
+            # Where it is dark there is no glare, and the hour counts.
+            series[index][part.steps] = np.nan_to_num(eye[index])
 
 
 def read(arrays: Arrays) -> CaseYear:

@@ -99,7 +99,7 @@ def one_line(error: ValidationError, data: object) -> str:
         known = [tag.strip("' ") for tag in str(context.get("expected_tags", "")).split(",")]
         known = known if known != [""] else _tags(context)
         if kind == "union_tag_not_found":
-            return f"{place}.kind: is missing (say what it is; docs/recipes.md lists the kinds)"
+            return f"{place}.kind: is missing (say what it is; the guide lists the kinds)"
         return f"{place}.kind: {context['tag']!r} is not known ({suggestion(str(context['tag']), known)})"
     if kind == "literal_error":
         return f"{place}: {value!r} is not known (give {context['expected']})"

@@ -143,6 +143,24 @@ impl Room {
         paths: Paths,
         progress: &Progress,
     ) -> Result<Rows> {
+        self.outwards(group, groups, Targets::Sky(sky), paths, progress)
+    }
+
+    /// Mean radiance that arrives from outside at a group's windows in each patch of exterior light (rows) by the radiance of
+    /// the patches of windows that are met there: openings before a façade. Direct is what has met nothing on its way.
+    pub fn facade_matrix(&self, group: usize, groups: &Groups, paths: Paths, progress: &Progress) -> Result<Rows> {
+        self.outwards(group, groups, self.receivers(groups)?, paths, progress)
+    }
+
+    /// Paths from a group's windows out of the room, a row each patch of exterior light.
+    fn outwards(
+        &self,
+        group: usize,
+        groups: &Groups,
+        targets: Targets<'_>,
+        paths: Paths,
+        progress: &Progress,
+    ) -> Result<Rows> {
         let area = self.area_of(group, groups)?;
         let launch = |row: usize, tracer: &mut Tracer<'_>, mut draws: Draws| {
             let (window, point) = area.sample(self, &mut draws);
@@ -150,7 +168,7 @@ impl Room {
             let out = -self.windows[window].travel(groups.basis.sample_cosine(row, u));
             tracer.look(point + out * LIFT, out, draws);
         };
-        self.rows(groups.basis.len(), 1.0, Targets::Sky(sky), 0, paths, progress, launch)
+        self.rows(groups.basis.len(), 1.0, targets, 0, paths, progress, launch)
     }
 
     /// Axes of a group's samples: x, y, and z into the room. Fails where its windows differ in them.

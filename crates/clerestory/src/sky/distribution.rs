@@ -59,7 +59,7 @@ impl Lobed {
 
     /// Sum of the values, none of them negative, in unit directions with the sun `toward`; fast where neighbours have one
     /// altitude.
-    pub fn sum(&self, directions: &[Vec3], toward: Vec3) -> f64 {
+    pub fn sum(&self, directions: &[Vec3], toward: Vec3, indicatrix: impl Fn(f64) -> f64) -> f64 {
         let (mut height, mut gradation) = (f64::NAN, 0.0);
         let mut sum = 0.0;
         for direction in directions {
@@ -68,9 +68,53 @@ impl Lobed {
                 gradation = self.gradation(height);
             }
             let cos_gamma = direction.dot(toward).clamp(-1.0, 1.0);
-            sum += (gradation * self.indicatrix(cos_gamma.acos(), cos_gamma)).max(0.0);
+            sum += (gradation * indicatrix(cos_gamma)).max(0.0);
         }
         sum
+    }
+
+    /// The indicatrix by cos γ.
+    pub fn about(&self, cos_gamma: f64) -> f64 {
+        self.indicatrix(cos_gamma.acos(), cos_gamma)
+    }
+}
+
+/// The indicatrix of a sky that is looked up very often, to about 1e-5 of its value.
+#[derive(Debug, Clone)]
+pub struct Indicatrix {
+    lobed: Lobed,
+    /// Its values at even steps of sin(γ/2), over which it is smooth at the sun.
+    values: Vec<f64>,
+}
+
+impl Indicatrix {
+    /// Look-ups from which the table pays.
+    pub const WORTH: usize = 8 * Self::STEPS;
+    const STEPS: usize = 1024;
+    /// Beyond it, sin(γ/2) tells directions apart too coarsely.
+    const FAR: f64 = -0.9;
+
+    /// Of a sky.
+    pub fn new(lobed: Lobed) -> Self {
+        let value = |k: usize| {
+            let half = (k as f64 / Self::STEPS as f64).min(1.0).asin();
+            lobed.indicatrix(2.0 * half, (2.0 * half).cos())
+        };
+        Self {
+            lobed,
+            values: (0..Self::STEPS + 2).map(value).collect(),
+        }
+    }
+
+    /// By cos γ.
+    pub fn at(&self, cos_gamma: f64) -> f64 {
+        if cos_gamma < Self::FAR {
+            return self.lobed.about(cos_gamma);
+        }
+        let place = (0.5 * (1.0 - cos_gamma)).sqrt() * Self::STEPS as f64;
+        let k = place as usize;
+        let (low, high) = (self.values[k], self.values[k + 1]);
+        low + (high - low) * (place - k as f64)
     }
 }
 

@@ -19,6 +19,7 @@ mod year;
 use std::f64::consts::PI;
 
 pub use cie::Traditional;
+use distribution::Indicatrix;
 pub use distribution::{Distribution, Lobed};
 use perez::{Conditions, Daylight, Supply};
 pub use preetham::Preetham;
@@ -475,8 +476,19 @@ impl Sky {
         self.value(direction.z, gamma)
     }
 
+    /// A table of its indicatrix, if it has one and so many look-ups are worth it.
+    fn indicatrix(&self, lookups: usize) -> Option<Indicatrix> {
+        match &self.shape {
+            Shape::Grey {
+                distribution: Distribution::Lobed(lobed),
+                ..
+            } => (lookups >= Indicatrix::WORTH).then(|| Indicatrix::new(*lobed)),
+            _ => None,
+        }
+    }
+
     /// Mean radiance of directions above the horizon.
-    fn mean_radiance(&self, directions: &[Vec3]) -> [f64; 3] {
+    fn mean_radiance(&self, directions: &[Vec3], indicatrix: Option<&Indicatrix>) -> [f64; 3] {
         let count = directions.len() as f64;
         if let Shape::Grey {
             distribution: Distribution::Lobed(lobed),
@@ -484,8 +496,11 @@ impl Sky {
         } = &self.shape
             && !self.blends()
         {
-            let mean = scale * lobed.sum(directions, self.toward) / count;
-            return self.settings.colour.map(|c| c * mean);
+            let sum = match indicatrix {
+                Some(table) => lobed.sum(directions, self.toward, |cos| table.at(cos)),
+                None => lobed.sum(directions, self.toward, |cos| lobed.about(cos)),
+            };
+            return self.settings.colour.map(|c| c * scale * sum / count);
         }
         let mut mean = [0.0; 3];
         for &direction in directions {

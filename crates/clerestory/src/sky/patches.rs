@@ -220,8 +220,9 @@ impl SkyPatches {
 
     fn put_sky(&self, sky: &Sky, samples: &Samples, made: &mut [[f64; 3]]) {
         made[0] = sky.ground();
+        let table = sky.indicatrix(samples.directions.len());
         for (radiance, directions) in made[1..].iter_mut().zip(samples.directions.chunks(samples.each)) {
-            *radiance = sky.mean_radiance(directions);
+            *radiance = sky.mean_radiance(directions, table.as_ref());
         }
         let wanted = sky.diffuse_horizontal();
         let at_centres = sky.settings().preset == Preset::RadianceMatrix;

@@ -298,3 +298,24 @@ fn means_over_patches_conserve() {
         assert!((sum / sky.diffuse_horizontal()[0] - 1.0).abs() < 1e-12);
     }
 }
+
+/// A table of the indicatrix is as good as the formula.
+#[test]
+fn indicatrices_are_tabulated_well() {
+    for (direct, diffuse) in [(900.0, 60.0), (300.0, 250.0), (0.0, 120.0)] {
+        let sky = Sky::perez(&moment(25.9, 130.0, 80), irradiance(direct, diffuse), &Settings::default()).unwrap();
+        let table = sky.indicatrix(1_000_000).unwrap();
+        let Shape::Grey {
+            distribution: Distribution::Lobed(lobed),
+            ..
+        } = sky.shape
+        else {
+            panic!("Perez's skies are lobed")
+        };
+        for k in 0..20_000 {
+            let cos_gamma = (f64::from(k) * 1e-4 * std::f64::consts::PI / 2.0).cos();
+            let (found, expected) = (table.at(cos_gamma), lobed.about(cos_gamma));
+            assert!((found - expected).abs() < 3e-5 * lobed.about(1.0), "{k}: {found} {expected}");
+        }
+    }
+}
