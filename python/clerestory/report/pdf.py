@@ -89,7 +89,6 @@ def _fonts() -> None:
     folder = Path(matplotlib.get_data_path()) / "fonts" / "ttf"
     pdfmetrics.registerFont(TTFont("report", folder / "DejaVuSans.ttf"))
     pdfmetrics.registerFont(TTFont("report-bold", folder / "DejaVuSans-Bold.ttf"))
-    pdfmetrics.registerFontFamily("report", normal="report", bold="report-bold", italic="report", boldItalic="report")
 
 
 @cache
@@ -122,6 +121,10 @@ def _marked(text: str) -> str:
     return str(subscripts(text)).replace("\u2011", "-")
 
 
+def _bold(markup: str) -> str:
+    return f'<font name="report-bold">{markup}</font>'
+
+
 def _flowables(block: Block, number: int) -> list[Flowable]:
     if isinstance(block, Heading):
         return [_text(block.text, str(block.level))]
@@ -132,7 +135,7 @@ def _flowables(block: Block, number: int) -> list[Flowable]:
     if isinstance(block, Box):
         return [_box(block), Spacer(1, 8)]
     if isinstance(block, Table):
-        caption = Text(f"<b>Table {number}.</b> {_marked(block.caption)}", _style("caption"))
+        caption = Text(f"{_bold(f'Table {number}.')} {_marked(block.caption)}", _style("caption"))
         return [caption, _table(block), Spacer(1, 8)]
     return [_figure(block, number)]
 
@@ -145,7 +148,7 @@ def _list(items: Sequence[str]) -> ListFlowable:
 def _box(box: Box) -> Grid:
     wash, edge = _KINDS[box.kind]
     # A row an item, so that a long box parts between pages.
-    rows: list[list[Flowable]] = [[Text(f"<b>{_marked(box.title)}</b>", _style("plain"))]]
+    rows: list[list[Flowable]] = [[Text(_bold(_marked(box.title)), _style("plain"))]]
     rows += [[_list([item])] for item in box.items]
     style = [
         ("BACKGROUND", (0, 0), (-1, -1), wash),
@@ -206,6 +209,6 @@ def _widths(table: Table) -> list[float]:
 def _figure(figure: Figure, number: int) -> KeepTogether:
     across, down = ImageReader(BytesIO(figure.png)).getSize()
     scale = min(72.0 / _PIXELS_AN_INCH, _WIDTH / across, _TALLEST / down)
-    caption = Text(f"<b>Figure {number}.</b> {_marked(figure.caption)}", _style("caption"))
+    caption = Text(f"{_bold(f'Figure {number}.')} {_marked(figure.caption)}", _style("caption"))
     picture = Image(BytesIO(figure.png), width=scale * across, height=scale * down)
     return KeepTogether([picture, caption, Spacer(1, 8)])
