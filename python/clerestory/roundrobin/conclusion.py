@@ -35,7 +35,7 @@ def sentences(found: Found) -> list[str]:
     made = []
     if found.transmittance is not None:
         made.append(said(str(found.transmittance.numbers["summary"][0])))
-    judged = [m for m in found.measures if m.is_judged and m.kind != "transmittance"]
+    judged = [m for m in found.measures if m.is_judged and m.kind != "transmittance" and m.variance.total > 0.0]
     for kind, words in _KINDS:
         own = [m for m in judged if m.kind == kind]
         if own:

@@ -136,7 +136,8 @@ def analyse(values: Sequence[float], laboratories: Sequence[str], methods: Seque
     # What is left of equal values by rounding is nothing.
     floor = _TINY * float(y @ y)
     squares = {name: (s if d and s > floor else 0.0, d) for name, (s, d) in squares.items()}
-    total = total if total > floor else 0.0
+    if total <= floor:
+        total, y = 0.0, np.full(len(y), y.mean())
     sources = []
     for name, (square, degrees) in squares.items():
         against = _against(name, squares)
