@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -244,7 +245,7 @@ def shares(measures: Sequence[Measure]) -> Figure:
             words, colour, hatch = _UNDIVIDED
             rest = 100.0 - foot
             ax.barh(row, rest, 0.72, foot, color=colour, hatch=hatch, edgecolor="#888888", linewidth=0.4, label=words)
-    ax.set_yticks(range(len(measures)), [measure.words.replace("E_v", "$E_v$") for measure in reversed(measures)])
+    ax.set_yticks(range(len(measures)), [_symbols(measure.words) for measure in reversed(measures)])
     ax.set_xlim(0.0, 100.0)
     ax.set_xlabel("share of the variance [%]")
     ax.tick_params(axis="y", length=0)
@@ -252,6 +253,11 @@ def shares(measures: Sequence[Measure]) -> Figure:
         ax.spines[edge].set_visible(False)
     _legend(figure, ax)
     return figure
+
+
+def _symbols(words: str) -> str:
+    """With the subscripts of T_d-h and E_v lowered."""
+    return re.sub(r"\b([TE])_([dh]-[dh]|v)\b", r"$\1_{\\mathrm{\2}}$", words)
 
 
 def _plain(ax: Axes) -> None:
