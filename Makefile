@@ -8,7 +8,7 @@ RUST_SOURCES := $(shell find crates -name '*.rs' -o -name 'Cargo.toml') Cargo.to
 
 .PHONY: demo test lint bench wheel format lock setup clean
 
-# Compares data sets that the project makes itself; the report is demo/report.html.
+# A round robin of data sets that the project makes itself; the report is demo/report.html, and demo/report.pdf.
 demo: setup
 	$(BIN)/python -m clerestory.demo demo
 

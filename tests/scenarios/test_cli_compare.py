@@ -1,4 +1,4 @@
-"""`clerestory compare` as a person uses it, and the demonstration."""
+"""`clerestory compare` as a person uses it."""
 
 import json
 
@@ -100,16 +100,3 @@ def test_one_system_at_several_resolutions(sample_data, capsys):
     angles = np.array(made["distances"][-1]["transport_deg"])
     assert 1.0 < angles[0, 1] < 12.0
     assert made["turns"] == []
-
-
-@pytest.mark.slow
-def test_the_demonstration_finds_what_was_done_to_the_data(tmp_path, capsys):
-    from clerestory.demo import main as demo
-
-    assert demo([str(tmp_path / "demo")]) == 0
-    out = capsys.readouterr().out
-    report = tmp_path / "demo" / "report.html"
-    assert f"The report is {report}" in out
-    assert "$ clerestory compare" in out
-    assert "E, mounted turned would agree better with" in out
-    assert report.stat().st_size < 3e6

@@ -7,8 +7,9 @@ import pytest
 
 from clerestory import Bsdf, Model
 from clerestory.compare import compare, write_report
-from clerestory.compare.report import html, subscripts
+from clerestory.compare.report import html
 from clerestory.plot.view import View
+from clerestory.report.frame import subscripts
 
 ET = ("exterior", "transmission")
 EVIL = '<script>alert("x")</script> & "Co"'

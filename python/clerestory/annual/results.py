@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     from clerestory.annual.outcome import Outcome
     from clerestory.annual.study import Study
+    from clerestory.plot.floor_plan import Plan
+    from clerestory.room import Room
 
 
 _PLAN = 4
@@ -181,15 +183,13 @@ def _illuminances(study: Study, names: Sequence[str]) -> Iterator[tuple[dataset.
 def _figures(study: Study, outcomes: Sequence[Outcome]) -> list[tuple[str, Any]]:
     from clerestory.plot.carpet import carpets
     from clerestory.plot.class_bars import class_bars
-    from clerestory.plot.floor_plan import Plan, floor_plan, rectangle
+    from clerestory.plot.floor_plan import floor_plan
     from clerestory.plot.state_carpet import state_carpets
     from clerestory.weather.figure import sun_hours
 
     made: list[tuple[str, Any]] = []
     limit = study.recipe.threshold_lx
-    box = study.room.recipe.room
-    windows = tuple(_ends(window.corners[:, :2]) for window in study.room.windows)
-    plan = Plan(None if box is None else rectangle(box.width_m, box.depth_m), windows)
+    plan = plan_of(study.room)
     for name, place in study.places.items():
         if place.stop - place.start < _PLAN:
             continue
@@ -220,6 +220,15 @@ def _figures(study: Study, outcomes: Sequence[Outcome]) -> list[tuple[str, Any]]
             bars = class_bars(found, classes.names, ranges=classes.ranges, title=title)
             made.append((f"{key}-{_slug(view)}", bars))
     return made
+
+
+def plan_of(room: Room) -> Plan:
+    """A room with its windows, seen from above."""
+    from clerestory.plot.floor_plan import Plan, rectangle
+
+    box = room.recipe.room
+    windows = tuple(_ends(window.corners[:, :2]) for window in room.windows)
+    return Plan(None if box is None else rectangle(box.width_m, box.depth_m), windows)
 
 
 def _ends(corners: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -36,6 +36,7 @@ _COMMANDS = (
     "photo",
     "photo-compare",
     "compare",
+    "roundrobin",
 )
 
 app = typer.Typer(

@@ -234,6 +234,21 @@ def progress(label: str) -> Iterator[Callable[[float], None]]:
         yield lambda share: bar.update(task, completed=share)
 
 
+@contextmanager
+def tasks() -> Iterator[Callable[[float, str], None]]:
+    """As `progress`, for work of many parts: called with the share of all and the words for the part at hand."""
+    if not sys.stderr.isatty():
+        yield lambda _share, _words: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    columns = (BarColumn(), TaskProgressColumn(), TimeRemainingColumn(), TextColumn("{task.description}"))
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("", total=1.0)
+        yield lambda share, words: bar.update(task, completed=share, description=words)
+
+
 def write_whole(path: Path | str, data: bytes | str) -> None:
     """Write a file whole or not at all; text as UTF-8."""
     from clerestory.whole import write_whole as write

@@ -118,6 +118,12 @@ def compare(
         note(f"note: {text}")
 
 
+def laboratories(words: Sequence[str]) -> list[tuple[str, Path]]:
+    """Labels and files of words `LABEL=FILE` or `FILE`."""
+    given, paths = zip(*(_parted(word) for word in words), strict=True)
+    return list(zip(_names(given, [str(p) for p in paths], None), paths, strict=True))
+
+
 def _quoted(word: str) -> str:
     from shlex import quote
 

@@ -6,20 +6,16 @@ from files or labels is escaped by the template engine.
 
 from __future__ import annotations
 
-import base64
-import re
 from dataclasses import dataclass
-from io import BytesIO
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from clerestory.compare.statistics import LEAST, LIMIT, RELATIVE_FLOOR
 from clerestory.compare.summary import in_unit
 from clerestory.plot import hemisphere_grid, slices, transmittance_bars
-from clerestory.plot.style import settings as plot_settings
+from clerestory.report.frame import environment, png, symbol
 from clerestory.whole import write_whole
 
 if TYPE_CHECKING:
@@ -103,18 +99,11 @@ def html(
     progress: Callable[[float], object] | None = None,
 ) -> str:
     """The report as text; see `write_report`."""
-    environment = Environment(
-        loader=PackageLoader("clerestory.compare"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["symbol"] = symbol
-    environment.filters["value"] = in_unit
-    environment.filters["subscripts"] = subscripts
-    return environment.get_template("report.html.j2").render(
+    made = environment("clerestory.compare")
+    made.filters["value"] = in_unit
+    return made.get_template("report.html.j2").render(
         c=comparison,
+        version=comparison.version,
         title=title,
         command=command,
         date=date,
@@ -135,33 +124,21 @@ def html(
     )
 
 
-def symbol(name: str) -> Markup:
-    """`T_d-h` with its subscript lowered."""
-    head, mark, rest = name.partition("_")
-    # A non-breaking hyphen, so that narrow columns do not part it.
-    return Markup("{}<sub>{}</sub>").format(head, rest.replace("-", "\u2011")) if mark else escape(name)
-
-
-def subscripts(text: str) -> Markup:
-    """A sentence with its symbols' subscripts lowered."""
-    parts = re.split(r"\b([TR]_[dh]-[dh])\b|(θ_co)", text)
-    return Markup("").join(symbol(p) if re.fullmatch(r"[TR]_[dh]-[dh]|θ_co", p) else escape(p) for p in parts if p)
-
-
 def _pictures(comparison: Comparison, tell: Callable[[float], object]) -> dict[str, str]:
     settings, data = comparison.settings, comparison.data
     common = {"side": settings.side, "scatter": settings.scatter, "band": settings.band}
-    made = {"bars": _png(_bars(comparison))}
+    made = {"bars": png(bars(comparison), _DPI)}
     tell(0.2)
     grid = hemisphere_grid(data, settings.patches, **common, samples=settings.samples)  # type: ignore[arg-type]
-    made["hemispheres"] = _png(grid)
+    made["hemispheres"] = png(grid, _DPI)
     tell(0.6)
-    made["slices"] = _png(slices(data, settings.patches, **common))  # type: ignore[arg-type]
+    made["slices"] = png(slices(data, settings.patches, **common), _DPI)  # type: ignore[arg-type]
     tell(1.0)
     return made
 
 
-def _bars(comparison: Comparison) -> Figure:
+def bars(comparison: Comparison) -> Figure:
+    """Hemispherical, direct-hemispherical and direct-direct values of all data sets."""
     wanted = [q for g in GROUPS for q in comparison.of_group(g) if g != "hemispherical" or q.of == "uniform"]
     names = {q.key: q.symbol if q.patch is None else f"{q.symbol}\n{q.of.split(' (')[0]}" for q in wanted}
     if len(set(names.values())) < len(names):
@@ -173,14 +150,6 @@ def _bars(comparison: Comparison) -> Figure:
     }
     what = "transmittance" if comparison.settings.scatter == "transmission" else "reflectance"
     return transmittance_bars(values, ylabel=f"{comparison.settings.band} {what}")
-
-
-def _png(figure: Figure) -> str:
-    """A picture as the address of an image."""
-    buffer = BytesIO()
-    with plot_settings():
-        figure.savefig(buffer, format="png", dpi=_DPI, metadata={"Software": "Clerestory"})
-    return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode("ascii")
 
 
 def _groups(quantities: Sequence[Quantity]) -> tuple[tuple[Markup, int], ...]:

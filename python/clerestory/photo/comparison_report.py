@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import base64
 from typing import TYPE_CHECKING
-
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from clerestory import _core
 from clerestory.counts import counted
 from clerestory.files import named
 from clerestory.photo.cases import read_picture
 from clerestory.photo.comparison_figure import pair, scatter, words_of
-from clerestory.plot.style import figures, render
+from clerestory.plot.style import figures
+from clerestory.report.frame import environment, png
 from clerestory.whole import write_whole
 
 if TYPE_CHECKING:
@@ -84,35 +82,32 @@ def write_comparison(
     progress
         Called with the share that is done, 0 to 1.
     """
-    environment = Environment(
-        loader=PackageLoader("clerestory.photo"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     pictured = sorted((f for f in c.found if f.case.photo is not None), key=_apart, reverse=True)
     pairs = []
     for number, found in enumerate(pictured[:MOST_PAIRS]):
-        pairs.append((found.case.name, _image(pair_of(found)), _pair_words(found)))
+        pairs.append((found.case.name, png(pair_of(found), _DPI), _pair_words(found)))
         if progress is not None:
             progress((number + 1) / min(len(pictured), MOST_PAIRS))
     quantities = [a.quantity for a in c.agreements]
     rejected = {name for name, _ in c.check.rejected} if c.check is not None else set()
-    text = environment.get_template("comparison.html.j2").render(
-        c=c,
-        title=title,
-        command=command,
-        date=date,
-        version=_core.__version__,
-        summary=summary(c),
-        agreements=[_row(a) for a in c.agreements],
-        scatter=_image(scatter(c.agreements)),
-        names=", ".join(words_of(q) for q in quantities),
-        pairs=pairs,
-        left_out=len(pictured) > MOST_PAIRS,
-        columns=[*(["E_v measured [lx]"] if c.check is not None else []), *(words_of(q) for q in quantities)],
-        rows=[_case(f, quantities, f.case.name in rejected, with_meter=c.check is not None) for f in c.found],
+    text = (
+        environment("clerestory.photo")
+        .get_template("comparison.html.j2")
+        .render(
+            c=c,
+            title=title,
+            command=command,
+            date=date,
+            version=_core.__version__,
+            summary=summary(c),
+            agreements=[_row(a) for a in c.agreements],
+            scatter=png(scatter(c.agreements), _DPI),
+            names=", ".join(words_of(q) for q in quantities),
+            pairs=pairs,
+            left_out=len(pictured) > MOST_PAIRS,
+            columns=[*(["E_v measured [lx]"] if c.check is not None else []), *(words_of(q) for q in quantities)],
+            rows=[_case(f, quantities, f.case.name in rejected, with_meter=c.check is not None) for f in c.found],
+        )
     )
     write_whole(path, text.encode("utf-8"))
 
@@ -167,7 +162,3 @@ def _case(found: Found, quantities: list[str], marked: bool, *, with_meter: bool
     for name in quantities:
         cells.append(" | ".join(figures(v) for v in found.values[name]) if name in found.values else "–")
     return found.case.name, marked, cells
-
-
-def _image(figure: Figure) -> str:
-    return "data:image/png;base64," + base64.b64encode(render(figure, ".png", dpi=_DPI)).decode("ascii")

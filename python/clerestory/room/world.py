@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from clerestory import _core
+from clerestory.npz import mark
 from clerestory.photometry import EFFICACY
 from clerestory.room.builder import Quads, build
 from clerestory.room.files import Found, take
@@ -58,8 +59,10 @@ class WindowOf:
 class Room:
     """A room with windows under a sky: made by `load`."""
 
-    def __init__(self, recipe: Recipe, folder: str | os.PathLike[str] = ".") -> None:
+    def __init__(self, recipe: Recipe, folder: str | os.PathLike[str] = ".", *, in_windows: Bsdf | None = None) -> None:
         """From a recipe; files that it names are relative to `folder`.
+
+        A data set `in_windows` stands in all windows in place of the recipe's systems.
 
         Raises
         ------
@@ -68,6 +71,7 @@ class Room:
         """
         self.recipe = recipe
         self.folder = Path(folder)
+        self._in_windows = in_windows
         self.warnings: list[str] = []
         """What is surprising, but can be."""
         self.sky: Sky = _sky(recipe)
@@ -102,8 +106,10 @@ class Room:
                 hint = suggestion(window.system, known) if known else f"add [systems.{window.system}]"
                 raise RecipeError(f"window {window.name}: there is no system {window.system!r} ({hint})")
             if window.system not in self._bsdfs:
-                self._bsdfs[window.system] = system_of(
-                    self._systems[window.system], f"systems.{window.system}", self.folder
+                self._bsdfs[window.system] = (
+                    system_of(self._systems[window.system], f"systems.{window.system}", self.folder)
+                    if in_windows is None
+                    else (in_windows, _GREY)
                 )
         if not self.windows:
             self.warnings.append("the room has no window: daylight enters through openings of the geometry only")
@@ -130,7 +136,8 @@ class Room:
     @property
     def files(self) -> list[Path]:
         """Files of data sets that it scatters by: of windows, and of materials."""
-        named = [system.file for key, system in self._systems.items() if key in self._bsdfs]
+        used = self._bsdfs if self._in_windows is None else ()
+        named = [system.file for key, system in self._systems.items() if key in used]
         named += [getattr(material, "file", None) for material in self.recipe.materials.values()]
         return [self.folder / name for name in named if name is not None]
 
@@ -139,7 +146,10 @@ class Room:
         specs = [(name, spec.kind, spec.numbers, spec.parts) for name, spec in self._specs.items()]
         windows = [(w.name, w.corners.tolist(), self._systems[w.system].model_dump(), w.up) for w in self.windows]
         outside = [self.recipe.sky.model_dump(), self.recipe.place and self.recipe.place.model_dump()]
-        return [self._shapes.mark(), self._surfaces, specs, self._media, windows, self._lights, outside]
+        made = [self._shapes.mark(), self._surfaces, specs, self._media, windows, self._lights, outside]
+        if self._in_windows is not None:
+            made.append(mark(self._in_windows))
+        return made
 
     def view(self, name: str) -> keys.View:
         """One of its views.
@@ -312,7 +322,6 @@ class Room:
 
     def described(self) -> tuple[bytes, list[object]]:
         """All that its light depends on but for systems and sky: shapes; surfaces, materials, media, windows."""
-        from clerestory.npz import mark
 
         def plain(spec: Spec) -> object:
             data = None if spec.data is None else (mark(spec.data[0]), *spec.data[1:])

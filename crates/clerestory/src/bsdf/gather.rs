@@ -17,6 +17,9 @@ pub struct Light {
     pub group: usize,
 }
 
+/// Outgoing directions that are found together.
+const TOGETHER: usize = 64;
+
 /// Scattered radiance of outgoing directions by each of `groups` of lights: a row of `groups` a direction.
 ///
 /// Negative values of measured data count as zero.
@@ -26,17 +29,20 @@ pub fn gather<S: Scatterer + Sync>(model: &S, lights: &[Light], groups: usize, o
         return found;
     }
     found
-        .par_chunks_exact_mut(groups)
-        .zip(outgoing)
-        .with_min_len(16)
+        .par_chunks_mut(TOGETHER * groups)
+        .zip(outgoing.par_chunks(TOGETHER))
         .for_each_init(
-            || vec![0.0_f64; groups],
-            |sums, (row, &out)| {
+            || (vec![0.0_f64; TOGETHER * groups], [0.0_f64; TOGETHER]),
+            |(sums, values), (rows, some)| {
                 sums.fill(0.0);
                 for light in lights {
-                    sums[light.group] += model.evaluate(light.incident, out).max(0.0) * light.irradiance;
+                    let values = &mut values[..some.len()];
+                    model.evaluate_all(light.incident, some, values);
+                    for (sums, value) in sums.chunks_exact_mut(groups).zip(values) {
+                        sums[light.group] += value.max(0.0) * light.irradiance;
+                    }
                 }
-                for (value, sum) in row.iter_mut().zip(sums) {
+                for (value, sum) in rows.iter_mut().zip(sums) {
                     *value = *sum as f32;
                 }
             },

@@ -53,6 +53,10 @@ impl Scatterer for Model {
         each!(self, m => m.evaluate(incident, outgoing))
     }
 
+    fn evaluate_all(&self, incident: Disk, outgoing: &[Disk], values: &mut [f64]) {
+        each!(self, m => m.evaluate_all(incident, outgoing, values));
+    }
+
     fn peaks(&self, incident: Disk) -> Vec<Peak> {
         each!(self, m => m.peaks(incident))
     }

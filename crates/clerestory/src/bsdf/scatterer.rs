@@ -149,6 +149,13 @@ pub trait Scatterer: Send + Sync {
     /// BSDF of the scattered part (1/sr); peaks are not in it.
     fn evaluate(&self, incident: Disk, outgoing: Disk) -> f64;
 
+    /// The same of several outgoing directions, into as many `values`.
+    fn evaluate_all(&self, incident: Disk, outgoing: &[Disk], values: &mut [f64]) {
+        for (value, &out) in values.iter_mut().zip(outgoing) {
+            *value = self.evaluate(incident, out);
+        }
+    }
+
     /// The peaks for light from one direction.
     fn peaks(&self, incident: Disk) -> Vec<Peak>;
 

@@ -8,6 +8,7 @@
 //! Where data of both sides are not reciprocal it matters which side is asked. Radiance, which traces rays backwards,
 //! takes the data of the viewer's side: its beam for a viewer in one direction is the one for light from there.
 
+use std::cell::OnceCell;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -242,6 +243,21 @@ impl Scatterer for Separated {
         }
     }
 
+    fn evaluate_all(&self, incident: Disk, outgoing: &[Disk], values: &mut [f64]) {
+        // To find a beam takes as long as many values.
+        let beam = OnceCell::new();
+        for (value, &out) in values.iter_mut().zip(outgoing) {
+            let cell = self.table().cell(incident, out);
+            let held = cell.value > self.diffuse
+                && !self.far_apart(incident, out)
+                && beam
+                    .get_or_init(|| self.beam(incident))
+                    .as_ref()
+                    .is_some_and(|beam| beam.holds(cell));
+            *value = if held { self.diffuse } else { cell.value };
+        }
+    }
+
     fn peaks(&self, incident: Disk) -> Vec<Peak> {
         self.beam(incident)
             .map(|beam| Peak {
@@ -431,6 +447,21 @@ mod tests {
                 .filter(|&k| direct(model, Disk::uniform(r2(k, [0.3, 0.1]))) > 0.0)
                 .count();
             assert!(found > 100, "model {n}: {found}");
+        }
+    }
+
+    #[test]
+    fn many_directions_have_the_values_of_each() {
+        for model in &models() {
+            let outgoing: Vec<Disk> = (0..300).map(|k| Disk::uniform(r2(k, [0.1, 0.6]))).collect();
+            for k in 0..40 {
+                let incident = Disk::uniform(r2(k, [0.3, 0.1]));
+                let mut values = vec![0.0; outgoing.len()];
+                model.evaluate_all(incident, &outgoing, &mut values);
+                for (&out, value) in outgoing.iter().zip(values) {
+                    assert_eq!(value, model.evaluate(incident, out));
+                }
+            }
         }
     }
 
