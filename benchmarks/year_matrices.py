@@ -91,7 +91,7 @@ the mean of both programs' long runs ({LONG[0]} paths, {LONG[1]} divisions), whi
 
 Speed to equal error, by the least time × error² of each: **{ratios["entries"]:.1f}** for entries,
 **{ratios["points"]:.1f}** for illuminance. Aim: 20. Both programs follow paths that end in one patch each, so the error
-of entries falls with the number of rays alone, and a ray costs ours some 0.4 µs.
+of entries falls with the number of rays alone.
 """
 
 

@@ -53,6 +53,7 @@ def symbol(name: str) -> Markup:
 
 
 def subscripts(text: str) -> Markup:
-    """A sentence with its symbols' subscripts lowered."""
+    """A sentence with its symbols' subscripts lowered, and numbers that stay beside their units."""
+    text = re.sub(r"(?<=\d) (?=%|(?:lx|h|m)\b)", "\u00a0", text)
     parts = re.split(rf"\b({_SYMBOL})\b", text)
     return Markup("").join(symbol(p) if re.fullmatch(_SYMBOL, p) else escape(p) for p in parts if p)

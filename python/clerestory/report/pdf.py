@@ -105,7 +105,7 @@ def _style(name: str) -> ParagraphStyle:
         "caption": ParagraphStyle("caption", plain, fontSize=7.5, leading=10, textColor=SOFT, spaceBefore=3),
         "cell": ParagraphStyle("cell", plain, fontSize=6.8, leading=8.6, spaceAfter=0),
     }
-    made["head"] = ParagraphStyle("head", made["cell"], fontName="report-bold")
+    made["head"] = ParagraphStyle("head", made["cell"], fontName="report-bold", leading=10.2)
     for key in ("cell", "head"):
         made[f"{key}-right"] = ParagraphStyle(f"{key}-right", made[key], alignment=TA_RIGHT)
     return made[name]

@@ -15,10 +15,9 @@ if TYPE_CHECKING:
 
     import matplotlib.figure
 
-    from clerestory.glare import Evaluation
-    from clerestory.picture import Picture
     from clerestory.report.document import Block
     from clerestory.roundrobin.measures import Measure
+    from clerestory.roundrobin.moments import Rendered
     from clerestory.roundrobin.run import Found
 
 DPI = 130
@@ -170,7 +169,7 @@ def _moments(found: Found) -> list[Block]:
         cases = [case for case in found.cases if case.treatment == treatment]
         if not cases:
             continue
-        pictures: dict[str, tuple[Picture, Evaluation] | None] = dict.fromkeys(laboratories)
+        pictures: dict[str, Rendered | None] = dict.fromkeys(laboratories)
         words = {}
         for case in cases:
             own = found.moment(case, room.first)
@@ -181,7 +180,7 @@ def _moments(found: Found) -> list[Block]:
                 figures.renderings(pictures, words),
                 said(
                     f"{treatment}, {room.first}, sun {room.sun_altitude_deg(room.first):.1f}° high: rendering, "
-                    "luminance and the glare sources in the rendering, on one scale."
+                    "its luminance and the glare sources in it, on one scale. The first row is denoised."
                 ),
                 f"Renderings, luminance and glare sources of {treatment} by laboratory",
             )

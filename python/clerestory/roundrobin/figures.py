@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from clerestory.glare import Evaluation
     from clerestory.picture import Picture
     from clerestory.roundrobin.measures import Measure
+    from clerestory.roundrobin.moments import Rendered
     from clerestory.roundrobin.study import Case
 
 LIMITS = (10.0, 30_000.0)
@@ -38,7 +39,7 @@ _UNDIVIDED = ("cannot be told apart", "#ffffff", "....")
 
 
 @style.styled
-def renderings(pictures: Mapping[str, tuple[Picture, Evaluation] | None], words: Mapping[str, str]) -> Figure:
+def renderings(pictures: Mapping[str, Rendered | None], words: Mapping[str, str]) -> Figure:
     """A column a laboratory: the rendering, its luminance, and the glare sources in it; one scale for all.
 
     As figures 45 to 48 and 55 to 58 of the report of IEA SHC Task 61 (2021, C.2.2).
@@ -51,7 +52,7 @@ def renderings(pictures: Mapping[str, tuple[Picture, Evaluation] | None], words:
         What stands under each.
     """
     count = len(pictures)
-    white = float(np.median([np.percentile(p[0].luminance, 99.0) for p in pictures.values() if p is not None]))
+    white = float(np.median([np.percentile(p.picture.luminance, 99.0) for p in pictures.values() if p is not None]))
     width = max(2.15 * count, 4.3)
     figure = style.new_figure(width + 0.9, 6.9)
     axes = figure.subplots(3, count, squeeze=False)
@@ -69,12 +70,12 @@ def renderings(pictures: Mapping[str, tuple[Picture, Evaluation] | None], words:
             for ax in tall:
                 ax.text(0.5, 0.5, "not given", ha="center", va="center", color="#777777", transform=ax.transAxes)
             continue
-        picture, found = given
+        picture = given.picture
         inside = _disk(picture)
-        tall[0].imshow(np.where(inside, tone_map(picture, white=white), 1.0), interpolation="nearest")
+        tall[0].imshow(np.where(inside, tone_map(given.denoised, white=white), 1.0), interpolation="nearest")
         luminance = np.where(inside[..., 0], picture.luminance, np.nan)
         tall[1].imshow(luminance, norm=norm, cmap=style.colours(), interpolation="nearest")
-        tall[2].imshow(np.where(inside, _sources(picture, found), 1.0), interpolation="nearest")
+        tall[2].imshow(np.where(inside, _sources(picture, given.glare), 1.0), interpolation="nearest")
         tall[2].set_xlabel(words[name], fontsize=8)
     for ax, text in zip(axes[:, 0], ("rendering", "luminance", "glare sources"), strict=True):
         ax.set_ylabel(text)

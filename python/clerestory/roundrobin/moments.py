@@ -40,6 +40,18 @@ QUANTITIES = ("illuminance", "dgp", "dgi")
 
 
 @dataclass(frozen=True)
+class Rendered:
+    """A rendering."""
+
+    picture: Picture
+    """As it was found."""
+    denoised: Picture
+    """For the eye."""
+    glare: Evaluation
+    """Of the former."""
+
+
+@dataclass(frozen=True)
 class Moment:
     """What an eye gets at a point in time."""
 
@@ -113,21 +125,24 @@ class Moments:
         def compute(tell: Tell) -> Arrays:
             room = self._room(self.first, system, case)
             made = room.picture(view, samples=samples, seed=self.seeds[0], progress=tell)
-            return {"radiance": made.radiance.astype(np.float32)}
+            shown = room.denoise(made)
+            return {"radiance": made.radiance.astype(np.float32), "denoised": shown.radiance.astype(np.float32)}
 
-        key = {**self._key(system, case, self.first, self.seeds[0]), "size": size, "samples": samples}
+        key = {**self._key(system, case, self.first, self.seeds[0]), "size": size, "samples": samples, "denoised": True}
         words = f"{system.title}: {case}, rendering"
         cpu_s = size * size * samples * PATH_CPU_S[case.treatment]
-        return Piece("rendering", key, words, cpu_s, 12e-6 * size * size, compute)
+        return Piece("rendering", key, words, cpu_s, 24e-6 * size * size, compute)
 
-    def picture(self, arrays: Arrays) -> tuple[Picture, Evaluation]:
-        """The picture that a rendering's piece holds, and the glare sources in it."""
+    def picture(self, arrays: Arrays) -> Rendered:
+        """What a rendering's piece holds."""
         from clerestory.glare import evaluate
         from clerestory.picture import Picture, View
         from clerestory.room.picture import options
 
-        made = Picture(arrays["radiance"].astype(np.float64), View(options(self.view)))
-        return made, evaluate(made)
+        made, shown = (
+            Picture(arrays[name].astype(np.float64), View(options(self.view))) for name in ("radiance", "denoised")
+        )
+        return Rendered(made, shown, evaluate(made))
 
     def _room(self, time: str, system: System | None = None, case: Case | None = None) -> Room:
         recipe = self.base.recipe
