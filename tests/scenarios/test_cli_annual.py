@@ -1,6 +1,7 @@
 """A study of a few days from the command line."""
 
 import json
+import shutil
 
 import pytest
 
@@ -87,6 +88,14 @@ def test_a_plan_computes_nothing(study, capsys):
     assert run(study / "study.toml", "--cache", study / "cache", "--dry-run") == 0
     assert "steps: 48" in capsys.readouterr().out
     assert not (study / "cache").exists()
+
+
+def test_a_full_disk_leaves_nothing(study, capsys, monkeypatch):
+    out = study / "results"
+    monkeypatch.setattr("shutil.disk_usage", lambda folder: shutil._ntuple_diskusage(2**20, 2**20, 0))
+    assert run(study / "study.toml", "-o", out, "--cache", study / "cache") == 1
+    assert capsys.readouterr().err == f"error: {out / 'results.nc'}: no space left on device (free some space)\n"
+    assert not list(out.iterdir())
 
 
 def test_critical_moments(study, capsys):

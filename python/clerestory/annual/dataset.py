@@ -7,7 +7,10 @@ of the interval, standard time), `view`, `data_set`.
 from __future__ import annotations
 
 import csv
+import errno
 import io
+import math
+import os
 import shutil
 import tempfile
 from pathlib import Path
@@ -21,7 +24,6 @@ from clerestory.annual.metrics import UDI_NAMES
 from clerestory.whole import whole_file, write_whole
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Iterable, Sequence
 
     import xarray
@@ -208,9 +210,18 @@ def save_filled(
         Of the variable.
     parts
         Where in it some values are, and these.
+
+    Raises
+    ------
+    OSError
+        The disk has no room for it, as it would be without compression.
     """
     import h5netcdf
 
+    # The library of these files crashes where a disk gets full while it writes.
+    needed = made.nbytes + 4 * math.prod(made.sizes[dim] for dim in dims) + 2**20
+    if shutil.disk_usage(Path(path).resolve().parent).free < needed:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
     with whole_file(path) as temporary:
         made.to_netcdf(temporary, engine="h5netcdf", encoding=_encoding(made))
         with h5netcdf.File(temporary, "a") as file:
