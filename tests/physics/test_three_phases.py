@@ -107,3 +107,19 @@ def test_daylight_coefficients(tmp_path, direct):
         # The sun is spread over ten degrees: its edges on the plane are blurred, its light is all there.
         assert found["2-phase"].mean() == pytest.approx(found["5-phase"].mean(), rel=0.2)
         assert not np.allclose(found["2-phase"], found["5-phase"], rtol=0.1)
+
+
+def test_finer_patches_of_windows_come_nearer_to_five_phases(tmp_path):
+    (tmp_path / "day.wea").write_text(WEA.format(direct=500))
+    made = room.load(ROOM | {"systems": {"window": {"glass": 0.7}}})
+    points, normals = made.sensors("plane")
+    found = {}
+    for basis, method in (("klems-quarter", "3-phase"), ("reinhart:2", "3-phase"), ("klems-full", "5-phase")):
+        matrices = RoomMatrices(made, basis, cache=Cache(tmp_path / "cache"))
+        arrivals = Arrivals(matrices, SkyYear(read_weather(tmp_path / "day.wea")), samples=1024)
+        year = RoomYear(arrivals, points, normals, method=method, sampling=Sampling(view=8192, returned=256))
+        ((_, part),) = year.of({"glass": [made.system("window")]})
+        found[basis] = part.illuminance
+    coarse, fine = (np.abs(found[name] - found["klems-full"]).mean() for name in ("klems-quarter", "reinhart:2"))
+    assert fine < 0.6 * coarse
+    assert found["reinhart:2"].mean() == pytest.approx(found["klems-full"].mean(), rel=0.1)

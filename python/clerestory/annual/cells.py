@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clerestory import _core
+from clerestory.annual.phases import probes
 from clerestory.annual.sun import Outgoing, SunThrough
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
     from clerestory.annual.arrivals import Light
     from clerestory.annual.matrices import RoomMatrices
+    from clerestory.basis import Basis
     from clerestory.bsdf import Bsdf
 
     Doubles = NDArray[np.float64]
@@ -68,7 +70,7 @@ class SkyThrough:
             columns = slice(number * patches, (number + 1) * patches)
             of_group = np.flatnonzero(cells.group == number)
             directions = cells.direction[of_group]
-            scattered[of_group, columns] = _scattered(bsdf, through.band, basis._core, directions)
+            scattered[of_group, columns] = _scattered(bsdf, through.band, basis, directions)
             world = -outgoing.direction[here] @ matrices.frame(number)
             beam[here] = through.passed(number, world)
             behind[here] = sky.patch_of(np.ascontiguousarray(world))
@@ -89,12 +91,11 @@ class SkyThrough:
         return np.asarray((self.scattered @ arrives)[self.cell] + self.beam[:, None] * seen)
 
 
-def _scattered(bsdf: Bsdf, band: str | None, basis: _core.Basis, outgoing: Doubles) -> Floats:
+def _scattered(bsdf: Bsdf, band: str | None, basis: Basis, outgoing: Doubles) -> Floats:
     """Radiance (directions, patches) by that of incident patches, each probed at the cells of a square."""
-    incident = _core.square_directions(_INCIDENT)
-    patch = basis.patch_of(np.ascontiguousarray(incident[:, :2]))
+    incident, patch = probes(basis, _INCIDENT)
     # Each point stands for an equal part of its patch.
-    area = np.asarray(basis.projected_solid_angles())[patch] / np.bincount(patch, minlength=len(basis))[patch]
+    area = basis.projected_solid_angles[patch] / np.bincount(patch, minlength=len(basis))[patch]
     return bsdf._core.gather(-incident, area, patch, len(basis), np.ascontiguousarray(outgoing), band, "transmission")
 
 

@@ -56,8 +56,7 @@ class Transfer:
             return np.ascontiguousarray(np.maximum(model.values, 0.0) * weights, dtype=np.float32)
 
         transmission = table("exterior", "transmission")
-        points = _core.square_directions(_PROBES)
-        patch = basis._core.patch_of(np.ascontiguousarray(points[:, :2]))
+        points, patch = probes(basis, _PROBES)
         passed = np.bincount(patch, straight_through(bsdf, -points, band), minlength=len(basis))
         beam = (passed / np.bincount(patch, minlength=len(basis))).astype(np.float32)
         try:
@@ -65,6 +64,17 @@ class Transfer:
         except MissingDataError:
             reflection = np.zeros_like(transmission)
         return cls(transmission, np.minimum(beam, np.diag(transmission)), reflection)
+
+
+def probes(basis: Basis, steps: int) -> tuple[Doubles, NDArray[np.int64]]:
+    """Directions (n, 3) of light into the room, `steps` along each axis of the square, and the patch (n) of each.
+
+    A patch that is too small for one has its centre.
+    """
+    points = _core.square_directions(steps)
+    patch = basis.index_of_outgoing(points)
+    left = np.setdiff1d(np.arange(len(basis)), patch)
+    return np.concatenate([points, basis.outgoing_centres("interior")[left]]), np.concatenate([patch, left])
 
 
 def straight_through(bsdf: Bsdf, incident: Doubles, band: str | None = None) -> Doubles:

@@ -73,6 +73,8 @@ class Recipe(Keys):
     """Width and height of pictures; of 380 a pixel is as large as the sun."""
     patches: str = "reinhart:4"
     """Of the sky."""
+    basis: str = "klems-full"
+    """Patches of the windows' directions: an angle basis, such as reinhart:2 for finer ones."""
     sensors: list[str] = Field(default_factory=list)
     """Names of the room's sensors; all of them by default."""
     views: list[str] | None = None
@@ -284,7 +286,7 @@ class Study:
     @cached_property
     def matrices(self) -> RoomMatrices:
         """Of its room."""
-        return RoomMatrices(self.room, cache=self.cache, seed=self.recipe.seed)
+        return RoomMatrices(self.room, self.recipe.basis, cache=self.cache, seed=self.recipe.seed)
 
     @cached_property
     def facade(self) -> Facade | None:
