@@ -16,14 +16,18 @@ _PATH = 4e-6
 """Of a path in the room."""
 _SKY = 1e-3
 """Of a step with a sky."""
-_PREPARED = 1.0
+_PREPARED = 1.5
 """Of a data set, once for points and once for eyes."""
-_CELLS = 2e-4
+_CELLS = 6e-4
 """Of a step and group of windows, for all points."""
 _POINT = 1e-6
 """Of a step and point."""
-_EYE = 4e-4
+_EYE = 2.5e-3
 """Of a step and eye."""
+_SURFACES = 4.5
+"""Of what an eye sees of the room, once."""
+_PIXELS = 96**2
+"""Of what an eye sees of the room."""
 _SEEN = 1000
 """Cells that a point sees, about."""
 
@@ -63,8 +67,8 @@ def plan(study: Study) -> Plan:
             seconds += (left > 0) * _PREPARED + share * arrivals_lit * by_step
             disk += arrivals_lit * (8.0 * points + 40.0 * eyes)
         if unknown:
-            seconds += _PATH * study.recipe.paths * (points + 2 * eyes)
-        disk += (points + 2 * eyes) * groups * 12.0 * patches + 28.0 * _SEEN * (points + eyes)
+            seconds += _PATH * study.recipe.paths * points + _SURFACES * eyes
+        disk += groups * (12.0 * patches * (points + _PIXELS * eyes) + 28.0 * _SEEN * (points + eyes))
     if missing:
         seconds += _SKY * arrivals_lit + _PATH * groups * patches * 2.0 * 4096
     return Plan(parts, missing, seconds / (os.cpu_count() or 1), 1e-6 * disk)
