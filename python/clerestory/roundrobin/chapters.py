@@ -49,7 +49,10 @@ def main_figures(found: Found) -> list[Block]:
         return [
             _figure(
                 figures.shares(judged),
-                found.system.said("What the variance of each measure comes from, in per cent of it."),
+                found.system.said(
+                    "What the variance of each measure comes from, in per cent of it. Laboratories with different treatments leave some "
+                    "that counts for both."
+                ),
                 "Bars of the share of variance by source",
             )
         ]

@@ -221,18 +221,23 @@ def by_time(
 
 @style.styled
 def shares(measures: Sequence[Measure]) -> Figure:
-    """A bar a measure: what share of its variance comes from laboratories, methods, both together, and seeds."""
+    """A bar a measure: what share of its variance comes from laboratories, methods, both together, and seeds.
+
+    Shares of an incomplete design can add up to more than all of it: such a bar is shortened, its numbers are not.
+    """
     figure = style.new_figure(8.4, 0.9 + 0.3 * len(measures))
     ax = figure.add_subplot()
     for row, measure in enumerate(reversed(measures)):
         foot = 0.0
+        found = {name: 100.0 * (measure.variance.source(name).share or 0.0) for name in SHARES}  # type: ignore[arg-type]
+        shortened = min(1.0, 100.0 / max(sum(found.values()), 1e-9))
         for name, (words, colour, hatch) in SHARES.items():
-            share = 100.0 * (measure.variance.source(name).share or 0.0)  # type: ignore[arg-type]
-            ax.barh(row, share, 0.72, foot, color=colour, hatch=hatch, edgecolor="white", linewidth=0.4, label=words)
+            share, width = found[name], shortened * found[name]
+            ax.barh(row, width, 0.72, foot, color=colour, hatch=hatch, edgecolor="white", linewidth=0.4, label=words)
             if share >= 8.0:
                 ink = "black" if name == "method" or name == "interaction" else "white"
                 ax.text(
-                    foot + 0.5 * share,
+                    foot + 0.5 * width,
                     row,
                     f"{share:.0f}",
                     ha="center",
@@ -241,7 +246,7 @@ def shares(measures: Sequence[Measure]) -> Figure:
                     color=ink,
                     bbox={"facecolor": colour, "edgecolor": "none", "pad": 0.6},
                 )
-            foot += share
+            foot += width
         if foot < 99.5:
             words, colour, hatch = _UNDIVIDED
             rest = 100.0 - foot
