@@ -50,8 +50,8 @@ def main_figures(found: Found) -> list[Block]:
             _figure(
                 figures.shares(judged),
                 found.system.said(
-                    "What the variance of each measure comes from, in per cent of it. Laboratories with different treatments leave some "
-                    "that counts for both."
+                    "What the variance of each measure comes from, in per cent of it. If laboratories gave different "
+                    "treatments, some of it counts for both."
                 ),
                 "Bars of the share of variance by source",
             )
