@@ -109,7 +109,7 @@ def direct(
     for light in lights:
         (folder / "sun.rad").write_text(light + "\n")
         (folder / "scene.oct").write_bytes(run("oconv", "sun.rad", "black.rad", folder=folder))
-        # Directions as they are, without the jitter by which tables are smoothed.
-        more = ("-ss", "0", "-dj", "0")
+        # Directions as they are, without the jitter by which tables are smoothed; the sun as large as it is.
+        more = ("-ss", "0", "-dj", "1")
         found.append(room_radiance.illuminance(folder, points, normals, *more, divisions=divisions, bounces=1))
     return np.stack(found, axis=-1)
