@@ -42,8 +42,10 @@ def _set_up(folder: Path, name: str, bounces: int, pixels: int) -> float:
     """Makes pictures of the windows' patches, `NAME%03d.hdr`, by so many pixels along a side; its time [s]."""
     size = ["-x", str(pixels), "-y", str(pixels)]
     rays = run("vwrays", "-ff", *EYE, *size, folder=folder)
-    options = f"-ffc -ab {bounces} -ad {DIVISIONS} -lw {0.2 / DIVISIONS:g} -fo+ -o small{name}%03d.hdr"
+    options = f"-ffc -ab {bounces} -ad {DIVISIONS} -lw {0.2 / DIVISIONS:g} -o small{name}%03d.hdr"
     command = ["rfluxmtx", *phases.THREADS, *options.split(), *size, "-", "window.rad", "-i", "empty.oct"]
+    for path in folder.glob(f"small{name}*.hdr"):
+        path.unlink()
     taken = seconds(lambda: run(*command, folder=folder, data=rays))
     for path in sorted(folder.glob(f"small{name}*.hdr")):
         large = run("pfilt", "-1", "-x", str(SIZE), "-y", str(SIZE), path.name, folder=folder)
