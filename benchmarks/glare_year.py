@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from clerestory import Bsdf, Model, room
+from clerestory import room
 from clerestory.annual.arrivals import Arrivals
 from clerestory.annual.cache import Cache
 from clerestory.annual.matrices import RoomMatrices
@@ -20,6 +20,7 @@ from clerestory.room import Room
 from clerestory.sky import Place
 from clerestory.trace.recipe import read_toml
 from clerestory.weather import SkyYear, synthetic_year
+from short_study import film
 from timing import table
 from treatments import fabric
 
@@ -35,23 +36,13 @@ PLACE = Place(47.3, 11.4, 1.0)
 DIRECTION = [0.3, -1.0, 0.0]
 
 
-def _film(folder: Path) -> dict[str, Any]:
-    parts = {
-        (side, scatter): Model.lambertian(value)
-        for side in ("exterior", "interior")
-        for scatter, value in (("transmission", 0.1), ("reflection", 0.5))
-    }
-    Bsdf.from_models(parts).save(folder / "film.bsdf.npz")
-    return {"file": str(folder / "film.bsdf.npz")}
-
-
 def _systems(data: Path, folder: Path) -> dict[str, Callable[[], dict[str, Any]]]:
     return {
         "clear glass, 0.7": lambda: {"glass": 0.7},
         "twill of 1 %, tree with peaks": lambda: {"file": str(fabric(folder)), "treatment": "high-peaks"},
         "blind of 30°, tree": lambda: {"file": str(data / "tensortree" / "b30.xml"), "treatment": "high"},
         "blind of 30°, Klems": lambda: {"file": str(data / "klems" / "blinds30.xml"), "treatment": "klems"},
-        "diffuse film, 0.1": lambda: _film(folder),
+        "diffuse film, 0.1": lambda: film(folder, 0.1),
     }
 
 

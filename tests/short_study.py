@@ -1,7 +1,16 @@
-"""A small room and a few days of weather, for studies that are done in seconds."""
+"""A small room, films and a few days of weather, for studies that are done in seconds."""
 
 import numpy as np
 
+from clerestory import Bsdf, Model
+
+BOX = {
+    "width_m": 3.0,
+    "depth_m": 4.0,
+    "height_m": 3.0,
+    "openings": [{"wall": "south", "width_m": 2.0, "height_m": 1.6, "sill_m": 0.9, "system": "window"}],
+}
+"""A room, as the table of a recipe."""
 ROOM = """
 [place]
 latitude = 47.3
@@ -35,6 +44,17 @@ time_zone -15
 site_elevation 600
 weather_data_file_units 1
 """
+
+
+def film(folder, transmittance, reflectance=0.5):
+    """Table of a system that scatters evenly, from a file that is written."""
+    parts = {
+        (side, scatter): Model.lambertian(value)
+        for side in ("exterior", "interior")
+        for scatter, value in (("transmission", transmittance), ("reflection", reflectance))
+    }
+    Bsdf.from_models(parts).save(folder / "film.bsdf.npz")
+    return {"file": str(folder / "film.bsdf.npz")}
 
 
 def days(numbers, *, months=(3,)):

@@ -17,16 +17,15 @@ from clerestory.annual.year import EYE, RoomYear, Sampling
 from clerestory.sky import Place
 from clerestory.system import pane_from_normal
 from clerestory.weather import Hours, SkyYear, synthetic_year
+from short_study import BOX
 
 ROOM = {
-    "room": {
-        "width_m": 3.0,
-        "depth_m": 4.0,
-        "height_m": 3.0,
+    "room": BOX
+    | {
         "openings": [
-            {"wall": "south", "width_m": 2.0, "height_m": 1.6, "sill_m": 0.9, "system": "window"},
+            *BOX["openings"],
             {"wall": "east", "width_m": 1.0, "height_m": 1.6, "sill_m": 0.9, "system": "window"},
-        ],
+        ]
     },
     "systems": {"window": {"glass": 0.7}},
     "sky": {"kind": "overcast"},

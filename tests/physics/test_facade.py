@@ -12,17 +12,13 @@ from clerestory.annual.year import RoomYear, Sampling
 from clerestory.sky import SkyPatches
 from clerestory.trace.keys import RecipeError
 from clerestory.weather import SkyYear, read_weather
+from short_study import BOX, HEAD
 
 #: An awning of 1.2 m before the window, and a wall far away.
 AWNING = "void plastic grey 0 0 5 .5 .5 .5 0 0\ngrey polygon awning 0 0 12 0 -1.2 2.7 3 -1.2 2.7 3 0 2.7 0 0 2.7\n"
 WALL = "void plastic dark 0 0 5 .2 .2 .2 0 0\ndark polygon wall 0 0 12 -30 -12 0 30 -12 0 30 -12 6 -30 -12 6\n"
 ROOM = {
-    "room": {
-        "width_m": 3.0,
-        "depth_m": 4.0,
-        "height_m": 3.0,
-        "openings": [{"wall": "south", "width_m": 2.0, "height_m": 1.6, "sill_m": 0.9, "system": "window"}],
-    },
+    "room": BOX,
     "systems": {"window": {"glass": 0.7}},
     "sky": {"kind": "overcast"},
     "sensors": {"plane": {"height_m": 0.8, "spacing_m": 1.0}},
@@ -30,15 +26,12 @@ ROOM = {
     # A plane 1.5 m before the façade; what comes from above and from the sides comes beside it.
     "ports": {"front": {"corners_m": [[-1.0, -1.5, 0.0], [-1.0, -1.5, 4.0], [4.0, -1.5, 4.0], [4.0, -1.5, 0.0]]}},
 }
-WEA = """place Innsbruck
-latitude 47.3
-longitude -11.4
-time_zone -15
-site_elevation 600
-weather_data_file_units 1
-3 21 9.5 500 200
+WEA = (
+    HEAD
+    + """3 21 9.5 500 200
 3 21 12.5 0 300
 """
+)
 
 
 @pytest.fixture

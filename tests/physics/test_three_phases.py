@@ -13,14 +13,10 @@ from clerestory.photometry import EFFICACY, LUMINANCE
 from clerestory.sky import SkyPatches
 from clerestory.weather import SkyYear, read_weather
 from samples import ABSENT, sample_root
+from short_study import BOX, HEAD, film
 
 ROOM = {
-    "room": {
-        "width_m": 3.0,
-        "depth_m": 4.0,
-        "height_m": 3.0,
-        "openings": [{"wall": "south", "width_m": 2.0, "height_m": 1.6, "sill_m": 0.9, "system": "window"}],
-    },
+    "room": BOX,
     "sky": {"kind": "overcast"},
     "sensors": {"plane": {"height_m": 0.8, "spacing_m": 1.0}},
 }
@@ -46,13 +42,7 @@ def test_three_phases_agree_with_paths(tmp_path, name):
     if name == "glass":
         system = {"glass": 0.7}
     elif name == "diffuse":
-        parts = {
-            (side, scatter): Model.lambertian(value)
-            for side in ("exterior", "interior")
-            for scatter, value in (("transmission", 0.4), ("reflection", 0.5))
-        }
-        Bsdf.from_models(parts).save(tmp_path / "film.bsdf.npz")
-        system = {"file": str(tmp_path / "film.bsdf.npz")}
+        system = film(tmp_path, 0.4)
     else:
         root = sample_root()
         if root is None:
@@ -72,15 +62,12 @@ def test_what_windows_return_is_missed_without_it(tmp_path):
     assert found.mean() < 0.97 * paths.mean()
 
 
-WEA = """place Innsbruck
-latitude 47.3
-longitude -11.4
-time_zone -15
-site_elevation 600
-weather_data_file_units 1
-3 21 9.5 {direct} 200
+WEA = (
+    HEAD
+    + """3 21 9.5 {direct} 200
 3 21 12.5 {direct} 300
 """
+)
 
 
 @pytest.mark.parametrize("direct", [0, 500])

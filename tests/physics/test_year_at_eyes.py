@@ -3,44 +3,27 @@
 import numpy as np
 import pytest
 
-from clerestory import Bsdf, Model, room
+from clerestory import room
 from clerestory.annual.arrivals import Arrivals
 from clerestory.annual.cache import Cache
 from clerestory.annual.matrices import RoomMatrices
 from clerestory.annual.year import RoomYear, Sampling
 from clerestory.weather import SkyYear, read_weather
 from samples import ABSENT, sample_root
+from short_study import BOX, HEAD, film
 
 ROOM = {
     "place": {"latitude": 47.3, "longitude": 11.4, "timezone": "Etc/GMT-1"},
-    "room": {
-        "width_m": 3.0,
-        "depth_m": 4.0,
-        "height_m": 3.0,
-        "openings": [{"wall": "south", "width_m": 2.0, "height_m": 1.6, "sill_m": 0.9, "system": "window"}],
-    },
+    "room": BOX,
     "views": {"desk": {"point_m": [1.5, 2.0, 1.2], "direction": [0.4, -1.0, 0.0]}},
 }
-WEA = """place Innsbruck
-latitude 47.3
-longitude -11.4
-time_zone -15
-site_elevation 600
-weather_data_file_units 1
-1 21 12.5 700 60
+WEA = (
+    HEAD
+    + """1 21 12.5 700 60
 3 21 10.5 300 200
 6 21 13.5 0 250
 """
-
-
-def film(folder):
-    parts = {
-        (side, scatter): Model.lambertian(value)
-        for side in ("exterior", "interior")
-        for scatter, value in (("transmission", 0.1), ("reflection", 0.5))
-    }
-    Bsdf.from_models(parts).save(folder / "film.bsdf.npz")
-    return {"file": str(folder / "film.bsdf.npz")}
+)
 
 
 def sample_of(kind, name, treatment):
@@ -53,7 +36,7 @@ def sample_of(kind, name, treatment):
 @pytest.mark.parametrize("name", ["film", "dark glass", "blind, tree", "blind, Klems"])
 def test_a_step_is_the_moment(tmp_path, name):
     system = {
-        "film": lambda: film(tmp_path),
+        "film": lambda: film(tmp_path, 0.1),
         "dark glass": lambda: {"glass": 0.1},
         "blind, tree": lambda: sample_of("tensortree", "b30.xml", "high"),
         "blind, Klems": lambda: sample_of("klems", "blinds30.xml", "klems"),

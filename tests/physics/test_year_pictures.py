@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clerestory import Bsdf, Model, room
+from clerestory import room
 from clerestory.annual.arrivals import Arrivals
 from clerestory.annual.cache import Cache
 from clerestory.annual.matrices import RoomMatrices
@@ -12,46 +12,29 @@ from clerestory.annual.year import RoomYear
 from clerestory.glare import evaluate
 from clerestory.picture import View
 from clerestory.weather import SkyYear, read_weather
+from short_study import BOX, HEAD, film
 
 ROOM = {
     "place": {"latitude": 47.3, "longitude": 11.4, "timezone": "Etc/GMT-1"},
-    "room": {
-        "width_m": 3.0,
-        "depth_m": 4.0,
-        "height_m": 3.0,
-        "openings": [{"wall": "south", "width_m": 2.0, "height_m": 1.6, "sill_m": 0.9, "system": "window"}],
-    },
+    "room": BOX,
     "sky": {"kind": "overcast"},
 }
 EYE = ([1.5, 2.0, 1.2], [0.2, -1.0, 0.0])
-WEA = """place Innsbruck
-latitude 47.3
-longitude -11.4
-time_zone -15
-site_elevation 600
-weather_data_file_units 1
-1 21 11.5 700 60
+WEA = (
+    HEAD
+    + """1 21 11.5 700 60
 1 21 12.5 700 60
 3 21 8.5 300 200
 6 21 13.5 0 250
 12 21 23.5 0 0
 """
+)
 
 
 @pytest.fixture
 def sky(tmp_path):
     (tmp_path / "days.wea").write_text(WEA)
     return SkyYear(read_weather(tmp_path / "days.wea"))
-
-
-def film(folder, transmittance):
-    parts = {
-        (side, scatter): Model.lambertian(value)
-        for side in ("exterior", "interior")
-        for scatter, value in (("transmission", transmittance), ("reflection", 0.5))
-    }
-    Bsdf.from_models(parts).save(folder / "film.bsdf.npz")
-    return {"file": str(folder / "film.bsdf.npz")}
 
 
 def matrices_of(system, folder, **surfaces):

@@ -8,46 +8,16 @@ import pytest
 
 from clerestory import trace
 from clerestory.cli import main
+from short_study import HEAD, ROOM
 
-ROOM = """
-[place]
-latitude = 47.3
-longitude = 11.4
-timezone = "Etc/GMT-1"
-[sky]
-kind = "overcast"
-[room]
-width_m = 3.0
-depth_m = 4.0
-height_m = 3.0
-[[room.openings]]
-wall = "south"
-width_m = 2.0
-height_m = 1.6
-sill_m = 0.9
-system = "pane"
-[[room.openings]]
+EAST = """[[room.openings]]
 wall = "east"
 width_m = 1.0
 height_m = 1.6
 sill_m = 0.9
 system = "pane"
-[systems.pane]
-glass = 0.7
-[views.desk]
-point_m = [1.5, 2.0, 1.2]
-direction = [0, -1, 0]
-[sensors.plane]
-height_m = 0.8
-spacing_m = 1.5
 """
-HEAD = """place Innsbruck
-latitude 47.3
-longitude -11.4
-time_zone -15
-site_elevation 600
-weather_data_file_units 1
-"""
+ROOM = ROOM.replace("[systems.pane]", f"{EAST}[systems.pane]")
 STUDY = """
 room = "room.toml"
 weather = "days.wea"

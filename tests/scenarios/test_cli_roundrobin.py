@@ -7,35 +7,11 @@ import pytest
 
 from clerestory import Basis, Bsdf, Model
 from clerestory.cli import main
+from short_study import HEAD, ROOM
 
-ROOM = """
-[place]
-latitude = 47.3
-longitude = 11.4
-timezone = 1.0
-[sky]
-kind = "preetham"
-turbidity = 3.0
-sun_deg = [30.0, 180.0]
-[room]
-width_m = 3.0
-depth_m = 4.0
-height_m = 3.0
-[[room.openings]]
-wall = "south"
-width_m = 2.0
-height_m = 1.6
-sill_m = 0.9
-system = "pane"
-[systems.pane]
-glass = 0.7
-[views.desk]
-point_m = [1.5, 2.0, 1.2]
-direction = [0, -1, 0]
-[sensors.plane]
-height_m = 0.8
-spacing_m = 1.5
-"""
+ROOM = ROOM.replace('timezone = "Etc/GMT-1"', "timezone = 1.0").replace(
+    'kind = "overcast"', 'kind = "preetham"\nturbidity = 3.0\nsun_deg = [30.0, 180.0]'
+)
 STUDY = """
 name = "Tiny"
 treatments = ["klems", "klems-peaks"]
@@ -58,13 +34,6 @@ data_sets = [
   { laboratory = "South", file = "south.xml", note = "by hand" },
   { laboratory = "West", resolution = "raw", note = "scans" },
 ]
-"""
-HEAD = """place Innsbruck
-latitude 47.3
-longitude -11.4
-time_zone -15
-site_elevation 600
-weather_data_file_units 1
 """
 
 
