@@ -12,6 +12,7 @@ import os
 import sys
 from importlib import import_module
 from inspect import cleandoc
+from keyword import iskeyword
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -38,6 +39,12 @@ _COMMANDS = (
     "compare",
     "roundrobin",
 )
+# Commands of a group, whose sentence is the docstring of its package. The file of a command that is named by a word of
+# Python's ends with an underscore.
+_GROUPS: dict[str, tuple[str, ...]] = {
+    "measure": (),
+    "system": (),
+}
 
 app = typer.Typer(
     name="clerestory",
@@ -70,16 +77,27 @@ def clerestory(
     del version  # its callback acts
 
 
-def _add(name: str) -> None:
+def _add(to: typer.Typer, package: str, name: str) -> None:
     """Add a command; the example at the end of its docstring is kept on a line of its own."""
-    home = name.replace("-", "_")
-    command = getattr(import_module(f"clerestory.cli.{home}"), home)
+    home = name.replace("-", "_") + ("_" if iskeyword(name) else "")
+    command = getattr(import_module(f"{package}.{home}"), home)
     text, _, example = cleandoc(command.__doc__).partition("\n\nExample: ")
-    app.command(name, help=text, epilog=f"\b\nExample: {example}")(command)
+    to.command(name, help=text, epilog=f"\b\nExample: {example}")(command)
+
+
+def _add_group(group: str, names: Sequence[str]) -> None:
+    package = f"clerestory.cli.{group}"
+    members = typer.Typer(rich_markup_mode=None, no_args_is_help=True)
+    for name in names:
+        _add(members, package, name)
+    app.add_typer(members, name=group, help=import_module(package).__doc__)
 
 
 for _name in _COMMANDS:
-    _add(_name)
+    _add(app, "clerestory.cli", _name)
+for _group, _names in _GROUPS.items():
+    if _names:
+        _add_group(_group, _names)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

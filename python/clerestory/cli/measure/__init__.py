@@ -1,0 +1,1 @@
+"""Plan, store and check measurements of samples, and make models of them."""

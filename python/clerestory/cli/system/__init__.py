@@ -1,0 +1,1 @@
+"""Put layers of glazing and shading together to window systems, and rate them."""
