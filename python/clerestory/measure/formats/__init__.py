@@ -1,0 +1,50 @@
+"""Formats of measurements' files, a file each.
+
+A format is a module with `NAME`, `recognises(data, name)` and `read(data, name, **choices)`; one that can be written
+has `write(measurement, **choices)` too, which gives the content of each file by its name. A file is told by its
+content; where several formats recognise it, the first in `FORMATS` reads it: strict ones stand before tolerant ones.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from clerestory.measure.contents import Contents
+
+FORMATS: tuple[str, ...] = ()
+"""Modules of this package, in the order in which they are asked."""
+
+
+class Format(Protocol):
+    """What a module of a format offers."""
+
+    NAME: str
+    """As it stands in `Source.format`."""
+
+    def recognises(self, data: bytes, name: str) -> bool:
+        """Whether the bytes of a file are of this format; looks at no more than it must."""
+
+    def read(self, data: bytes, name: str, **choices: object) -> Contents:
+        """What a file holds.
+
+        Parameters
+        ----------
+        data
+            Its bytes, unpacked.
+        name
+            Its name, for messages; its folder is not in it.
+        choices
+            What a person says of the file where it is silent (`side`, `scatter`, `sample`, …).
+
+        Raises
+        ------
+        FileFormatError
+            Place, what is wrong and what to do; the caller puts the file's path before it.
+        """
+
+
+def all_formats() -> tuple[Format, ...]:
+    """Every format, in the order in which they are asked."""
+    return tuple(import_module(f"{__name__}.{module}") for module in FORMATS)
