@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::{
-    Beam, Estimate, Lambertian, Matrix, Part, Peak, Region, Reversed, Sample, Scatterer, Separated, Specular, Sum,
-    Tree, Turn, Turned,
+    Beam, Estimate, Interpolant, Lambertian, Matrix, Part, Peak, Region, Reversed, Sample, Scatterer, Separated,
+    Specular, Sum, Tree, Turn, Turned,
 };
 use crate::direction::Disk;
 use crate::error::{Error, Result};
@@ -30,6 +30,8 @@ pub enum Model {
     Reversed(Reversed),
     /// With its through-beam as an explicit peak.
     Separated(Separated),
+    /// Between measured incident directions.
+    Interpolant(Interpolant),
 }
 
 macro_rules! each {
@@ -44,6 +46,7 @@ macro_rules! each {
             Model::Turned($model) => $body,
             Model::Reversed($model) => $body,
             Model::Separated($model) => $body,
+            Model::Interpolant($model) => $body,
         }
     };
 }
@@ -99,6 +102,7 @@ impl Model {
             Self::Turned(_) => "turned",
             Self::Reversed(_) => "reversed",
             Self::Separated(_) => "separated",
+            Self::Interpolant(_) => "interpolant",
         }
     }
 
@@ -121,7 +125,7 @@ impl Model {
                 basis: basis.clone(),
                 values: values.iter().map(|v| v * factor).collect(),
             }),
-            Self::Specular(Specular::Pane(..)) | Self::Separated(_) => {
+            Self::Specular(Specular::Pane(..)) | Self::Separated(_) | Self::Interpolant(_) => {
                 Self::Sum(Sum::new(vec![(factor, Arc::new(self.clone()))])?)
             }
             Self::Beam(b) => Self::Beam(b.scaled(|_| factor)),
@@ -148,6 +152,7 @@ impl Model {
             Self::Beam(b) => b.turned(turn).map(Self::Beam),
             Self::Turned(t) => Some(t.base().turned(turn.after(t.turn()))),
             Self::Sum(s) => Some(Self::Sum(s.map(|m| m.turned(turn)))),
+            Self::Interpolant(i) => i.isotropic().then(|| self.clone()),
             Self::Specular(Specular::Patches { .. }) | Self::Reversed(_) | Self::Separated(_) => None,
         };
         exact.unwrap_or_else(|| Self::Turned(Turned::new(Arc::new(self.clone()), turn)))
@@ -183,6 +188,7 @@ impl Model {
             Self::Turned(t) => Self::Turned(Turned::new(Arc::new(t.base().reciprocal()), t.turn())),
             Self::Reversed(r) => (**r.base()).clone(),
             Self::Separated(s) => Self::Separated(s.reciprocal()),
+            Self::Interpolant(_) => view(),
         }
     }
 }
