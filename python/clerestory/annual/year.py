@@ -350,7 +350,7 @@ class _Eyes:
         dark = np.full(np.count_nonzero(chosen), np.nan)
         for k, (name, eye) in enumerate(self._eyes.items()):
             # What beams throw on surfaces is spread over patches, and found again for the sun itself.
-            in_sun = self._seen.through.on_surfaces(eye.point[0], eye.directions, light.suns, light.irradiance)
+            in_sun = self._seen.through.on_surfaces(eye.point[0], eye.directions, light.suns, cells.beams)
             surfaces = EFFICACY * np.maximum(eye.surfaces @ sent - eye.directly @ by_beams + in_sun, 0.0)
             of_windows = windows[np.searchsorted(self._seen.cells.numbers, eye.seen.number)]
             straight = EFFICACY * cells.straight[k]
