@@ -65,13 +65,13 @@ def _nearly_level(tilt_deg: float, rayleigh: float) -> float:
     if across <= 0.0:
         return 1.0
     wave = 1.0 - 1708.0 * math.sin(math.radians(1.8 * tilt_deg)) ** 1.6 / across
-    return 1.0 + 1.44 * max(0.0, 1.0 - 1708.0 / across) * wave + max(0.0, (across / 5830.0) ** (1.0 / 3.0) - 1.0)
+    return float(1.0 + 1.44 * max(0.0, 1.0 - 1708.0 / across) * wave + max(0.0, (across / 5830.0) ** (1.0 / 3.0) - 1.0))
 
 
 def _sixty(rayleigh: float, aspect: float) -> float:
     damping = 0.5 / (1.0 + (rayleigh / 3160.0) ** 20.6) ** 0.1
     first = (1.0 + (0.0936 * rayleigh**0.314 / (1.0 + damping)) ** 7) ** (1.0 / 7.0)
-    return max(first, (0.104 + 0.175 / aspect) * rayleigh**0.283)
+    return float(max(first, (0.104 + 0.175 / aspect) * rayleigh**0.283))
 
 
 def _upright(rayleigh: float, aspect: float) -> float:
@@ -81,7 +81,7 @@ def _upright(rayleigh: float, aspect: float) -> float:
         first = 0.028154 * rayleigh**0.4134
     else:
         first = 1.0 + 1.7596678e-10 * rayleigh**2.2984755
-    return max(first, 0.242 * (rayleigh / aspect) ** 0.272)
+    return float(max(first, 0.242 * (rayleigh / aspect) ** 0.272))
 
 
 def indoor_coefficient(surface: float, air: float, height_m: float, tilt_deg: float = 90.0) -> float:
@@ -95,14 +95,14 @@ def indoor_coefficient(surface: float, air: float, height_m: float, tilt_deg: fl
 
 def _indoor_nusselt(tilt_deg: float, rayleigh: float) -> float:
     if tilt_deg < 15.0:
-        return 0.13 * rayleigh ** (1.0 / 3.0)
+        return float(0.13 * rayleigh ** (1.0 / 3.0))
     sine = math.sin(math.radians(tilt_deg))
     if tilt_deg <= 90.0:
         critical = 2.5e5 * (math.exp(0.72 * tilt_deg) / sine) ** 0.2
         if rayleigh <= critical:
-            return 0.56 * (rayleigh * sine) ** 0.25
+            return float(0.56 * (rayleigh * sine) ** 0.25)
         third = 1.0 / 3.0
-        return 0.13 * (rayleigh**third - critical**third) + 0.56 * (critical * sine) ** 0.25
+        return float(0.13 * (rayleigh**third - critical**third) + 0.56 * (critical * sine) ** 0.25)
     if tilt_deg <= 179.0:
-        return 0.56 * (rayleigh * sine) ** 0.25
-    return 0.58 * rayleigh**0.2
+        return float(0.56 * (rayleigh * sine) ** 0.25)
+    return float(0.58 * rayleigh**0.2)

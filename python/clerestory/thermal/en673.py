@@ -145,4 +145,4 @@ def _gas_conductance(
     grashof = 9.81 * thickness**3 * difference * density**2 / (_MEAN * viscosity**2)
     prandtl = viscosity * capacity / conductivity
     factor, power = _CONVECTION[position]
-    return max(1.0, factor * (grashof * prandtl) ** power) * conductivity / thickness
+    return float(max(1.0, factor * (grashof * prandtl) ** power) * conductivity / thickness)

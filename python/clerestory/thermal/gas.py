@@ -100,7 +100,7 @@ def _at(coefficients: tuple[float, float], temperature: float) -> float:
 def _phi(ratio: float, mass_i: float, mass_j: float) -> float:
     """Wilke's interaction of two gases, by the ratio of a property of theirs (equation 62)."""
     numerator = (1.0 + math.sqrt(ratio) * (mass_i / mass_j) ** 0.25) ** 2
-    return numerator / (2.0 * math.sqrt(2.0) * math.sqrt(1.0 + mass_i / mass_j))
+    return float(numerator / (2.0 * math.sqrt(2.0) * math.sqrt(1.0 + mass_i / mass_j)))
 
 
 def _mixed(values: list[float], shares: list[float], interaction: list[list[float]]) -> float:
