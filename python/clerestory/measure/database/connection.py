@@ -27,6 +27,7 @@ WAIT_S = 600.0
 """How long one who writes waits for another [s]."""
 
 _POLL_S = 0.2
+_BUSY_S = 10.0  # how long SQLite waits for moments in which others may not read [s]
 _LOCK = 0x436C6572  # of PostgreSQL: one importer at a time
 _MISSING = "psycopg"
 
@@ -231,7 +232,7 @@ def _engine(place: Location) -> Engine:
             connect_args={"connect_timeout": 10},
             isolation_level="REPEATABLE READ",
         )
-    engine = sqlalchemy.create_engine(place.url, connect_args={"timeout": 5.0})
+    engine = sqlalchemy.create_engine(place.url, connect_args={"timeout": _BUSY_S})
 
     @event.listens_for(engine, "connect")
     def _connect(connection: Any, _record: object) -> None:  # noqa: ANN401  # the driver's own
@@ -243,7 +244,13 @@ def _engine(place: Location) -> Engine:
     @event.listens_for(engine, "begin")
     def _sqlite_begin(connection: Connection) -> None:
         writes = connection.get_execution_options().get("writes", False)
-        connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+        if not writes:
+            connection.exec_driver_sql("BEGIN")
+            return
+        # The driver's wait cannot be interrupted by Ctrl-C; `_patient` waits in its place.
+        connection.exec_driver_sql("PRAGMA busy_timeout = 100")
+        connection.exec_driver_sql("BEGIN IMMEDIATE")
+        connection.exec_driver_sql(f"PRAGMA busy_timeout = {1000.0 * _BUSY_S:.0f}")
 
     return engine
 

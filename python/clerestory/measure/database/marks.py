@@ -6,9 +6,17 @@ import hashlib
 import json
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
     from clerestory.measure.scan import Scan
     from clerestory.measure.sphere import SphereValues
+
+    Floats = NDArray[np.float64]
 
 
 def mark_of_scan(scan: Scan) -> str:
@@ -29,10 +37,10 @@ def _exact(angle_deg: float) -> str:
     return (float(angle_deg) + 0.0).hex()  # a database may forget the sign of zero
 
 
-def _mark(head: list[object], arrays: list[object]) -> str:
+def _mark(head: list[object], arrays: Sequence[Floats | None]) -> str:
     digest = hashlib.sha256(json.dumps(head, sort_keys=True).encode())
     for array in arrays:
         digest.update(b"|")
         if array is not None:
-            digest.update(memoryview(array).cast("B"))  # type: ignore[arg-type]  # NumPy arrays are buffers
+            digest.update(np.ascontiguousarray(array).data)
     return digest.hexdigest()

@@ -108,7 +108,7 @@ class Reading(Connected):
             )
             .select_from(_runs.outerjoin(_configurations).outerjoin(_instruments))
             .where(*_of_run(laboratory, date))
-            .order_by(_runs.c.date, _runs.c.id)
+            .order_by(_runs.c.date.nulls_last(), _runs.c.id)
         )
         with self._reading() as connection:
             return [records.Run(**row) for row in _rows(connection, asked)]
@@ -189,7 +189,7 @@ class Reading(Connected):
             return found
         # At normal incidence the azimuth means nothing.
         return [
-            s for s in found if abs((s.phi_deg - phi_deg + 180.0) % 360.0 - 180.0) <= NEAR_DEG or s.theta_deg == 0.0
+            s for s in found if s.theta_deg == 0.0 or abs((s.phi_deg - phi_deg + 180.0) % 360.0 - 180.0) <= NEAR_DEG
         ]
 
     def scan(self, number: int) -> Scan:

@@ -237,9 +237,8 @@ class Provenance:
                 lines.append(f"    {counted(spheres, 'set')} of sphere values")
         loose = [scan for scan in self.scans if scan.file_id is None]
         if loose:
-            lines.append(
-                f"  {counted(len(loose), 'scan')} of {counted(sum(s.points for s in loose), 'point')}, no file"
-            )
+            points = sum(scan.points for scan in loose)
+            lines.append(f"  {counted(len(loose), 'scan')} of {counted(points, 'point')} that came from no file")
         for run in self.runs:
             known = [run.laboratory, run.operator, run.date, run.instrument, run.configuration]
             if any(known):

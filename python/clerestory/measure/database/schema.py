@@ -43,8 +43,8 @@ def prepare(connection: Connection, name: str, *, upgrade: bool, create: bool) -
         tables = inspect(connection).get_table_names()
         if tables:
             raise ClerestoryError(
-                f"{name}: holds tables of something else, such as {sorted(tables)[0]!r} (give another file, or an empty "
-                "database)"
+                f"{name}: holds tables of something else, such as {sorted(tables)[0]!r} (give another file, or an "
+                "empty database)"
             )
         if not create:
             raise ClerestoryError(f"{name}: the database is empty (import measurements into it first)")

@@ -1,8 +1,8 @@
 """The tables of the laboratory's database, as this version of Clerestory knows them.
 
-A sample is measured in runs; a run, of one configuration of an instrument, gives files; a file holds scans and values of
-spheres; a scan's points lie in chunks. Models and reports name the scans and sphere values that they were made of, so
-nothing that a model stands on can be removed under it. `migrations` holds the way here from older schemas.
+A sample is measured in runs; a run, of one configuration of an instrument, gives files; a file holds scans and values
+of spheres; a scan's points lie in chunks. Models and reports name what they were made of, so that nothing can be
+removed under them. `migrations` holds the way here from older schemas.
 """
 
 from __future__ import annotations
