@@ -6,6 +6,7 @@ what was made of scans, `database` takes out. `tables` is the schema, `migration
 
 from clerestory.measure.database.connection import DEFAULT, VARIABLE, Location, location
 from clerestory.measure.database.database import Database
+from clerestory.measure.database.incoming import Added
 from clerestory.measure.database.records import (
     Configuration,
     File,
@@ -18,7 +19,6 @@ from clerestory.measure.database.records import (
     StoredScan,
     StoredSphereValues,
 )
-from clerestory.measure.database.writing import Added
 
 __all__ = [
     "DEFAULT",

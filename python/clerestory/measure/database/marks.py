@@ -37,7 +37,7 @@ def _exact(angle_deg: float) -> str:
     return (float(angle_deg) + 0.0).hex()  # a database may forget the sign of zero
 
 
-def _mark(head: list[object], arrays: Sequence[Floats | None]) -> str:
+def _mark(head: Sequence[object], arrays: Sequence[Floats | None]) -> str:
     digest = hashlib.sha256(json.dumps(head, sort_keys=True).encode())
     for array in arrays:
         digest.update(b"|")

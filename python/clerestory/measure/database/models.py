@@ -66,8 +66,8 @@ class Models(Writing):
         with self.transaction():
             if any(model.name == name for model in self.models(sample=sample)):
                 raise ClerestoryError(f"{self.location}: {sample} has a model {name!r} (choose another name)")
-            owner = self._put(tables.samples, {"name": sample}, {})
-            number = self._insert(
+            owner = self._rows.put(tables.samples, {"name": sample}, {})
+            number = self._rows.insert(
                 _models,
                 {
                     "sample_id": owner,
@@ -169,7 +169,7 @@ class Models(Writing):
                 ).scalars()
             }
         scans = tuple(self.stored_scans(ids=ids))
-        files = {item.file_id for item in (*scans, *values)}
+        files = {scan.file_id for scan in scans} | {value.file_id for value in values}
         return Provenance(
             model,
             scans,
@@ -190,7 +190,7 @@ class Models(Writing):
             if any(report.name == name for report in self.reports()):
                 raise ClerestoryError(f"{self.location}: there is a report {name!r} (choose another name)")
             row = {"name": name, "file_name": file_name, "made": datetime.now(UTC)}
-            number = self._insert(_reports, {**row, "blob_id": blobs.keep(self._connection, data)})
+            number = self._rows.insert(_reports, {**row, "blob_id": blobs.keep(self._connection, data)})
             for model in models:
                 link = {"report_id": number, "model_id": self.model(model).id}
                 self._connection.execute(insert(tables.report_models).values(**link))

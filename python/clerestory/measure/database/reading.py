@@ -160,8 +160,12 @@ class Reading(Connected):
             Of the direction to the source [°], within `NEAR_DEG`.
         """
         wanted = [*_of_run(laboratory, date)]
-        pairs = ((_samples.c.name, sample), (_scans.c.purpose, purpose))
-        pairs = (*pairs, (_scans.c.side, side), (_scans.c.scatter, scatter))
+        pairs: tuple[tuple[ColumnElement[str], str | None], ...] = (
+            (_samples.c.name, sample),
+            (_scans.c.purpose, purpose),
+            (_scans.c.side, side),
+            (_scans.c.scatter, scatter),
+        )
         wanted += [column == value for column, value in pairs if value is not None]
         if theta_deg is not None:
             wanted.append(_scans.c.theta_deg.between(theta_deg - NEAR_DEG, theta_deg + NEAR_DEG))
