@@ -253,7 +253,9 @@ def write(measurement: Measurement, **choices: object) -> dict[str, bytes]:
         words = [measurement.sample, side, kind.lower()]
         if len({names for s, t, names in groups if (s, t) == (side, scatter)}) > 1:
             words.append("".join(channels))
-        files[f"{file_stem('_'.join(words))}{SUFFIX}"] = _text(measurement.sample, side, scatter, channels, scans).encode()
+        files[f"{file_stem('_'.join(words))}{SUFFIX}"] = _text(
+            measurement.sample, side, scatter, channels, scans
+        ).encode()
     return files
 
 
