@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, cast
 from clerestory._core import ClerestoryError, FileFormatError, gunzip
 from clerestory.files import named
 from clerestory.measure.contents import Contents
-from clerestory.measure.formats import FORMATS, all_formats
+from clerestory.measure.formats import FORMATS, all_formats, table
 from clerestory.measure.formats.header import HEAD
 from clerestory.measure.source import digest
 from clerestory.whole import whole_file
@@ -111,6 +111,8 @@ def _read(path: Path, formats: Sequence[Format], choices: Mapping[str, object]) 
         data = _text(gunzip(packed) if packed.startswith(_GZIP) else packed)
         name = path.name
         chosen = next((f for f in formats if f.recognises(data, name)), None)
+        if chosen is None and table.readable(data, choices):
+            chosen = table
         if chosen is None:
             raise _UnknownFormatError(
                 "no format of measurements is recognised (docs/measurements.md lists them; a table with other names of "
@@ -198,7 +200,9 @@ def write(measurement: Measurement, path: str | os.PathLike[str], format_name: s
     elif len(files) == 1:
         paths = [target]
     else:
-        raise ClerestoryError(f"{target}: {known[format_name]} makes {len(files)} files of this measurement (give a folder)")
+        raise ClerestoryError(
+            f"{target}: {known[format_name]} makes {len(files)} files of this measurement (give a folder)"
+        )
     with ExitStack() as stack:
         for place, content in zip(paths, files.values(), strict=True):
             with stack.enter_context(whole_file(place)).open("wb") as file:

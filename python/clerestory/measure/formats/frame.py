@@ -111,7 +111,9 @@ def halves(
     # What lies in the plane of the sample belongs to the only side that there is, or to the lit one.
     if (theta_deg[~beyond] >= 90.0 - GRAZING_DEG).all():
         if scatter == "reflection":
-            raise FileFormatError("all points lie behind the sample, where no light is reflected to (check the scatter)")
+            raise FileFormatError(
+                "all points lie behind the sample, where no light is reflected to (check the scatter)"
+            )
         return [("transmission", every, np.clip(180.0 - theta_deg, 0.0, 90.0))]
     if scatter is not None:
         raise FileFormatError(

@@ -241,8 +241,12 @@ def _directions(data: bytes, grid: int, over: float, front: Side) -> tuple[Float
         if ordinal == -1:
             break
         if ordinal != len(incident) or at + 24 > len(data):
-            raise short if at + 24 > len(data) else FileFormatError(
-                f"byte {at - 4}: direction {ordinal} stands where {len(incident)} should (get the file again)"
+            raise (
+                short
+                if at + 24 > len(data)
+                else FileFormatError(
+                    f"byte {at - 4}: direction {ordinal} stands where {len(incident)} should (get the file again)"
+                )
             )
         four = [_float5(*struct.unpack_from(">ib", data, at + 5 * k)) for k in range(4)]
         (count,) = struct.unpack_from(">i", data, at + 20)
