@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     from clerestory.measure.contents import Contents
 
-FORMATS: tuple[str, ...] = ()
+FORMATS: tuple[str, ...] = ("sir", "astm", "mountain", "iea21", "table")
 """Modules of this package, in the order in which they are asked."""
 
 
