@@ -122,7 +122,7 @@ def angular_table(rotations_deg: Sequence[float], scans: Sequence[Scan]) -> Mapp
         found = {rotation: row for rotation, row in found.items() if set(row) != {0.0}}
     if len({frozenset(row) for row in found.values()}) > 1:
         raise ClerestoryError(
-            "incident directions do not form a table: not every azimuth has the same polar angles (choose those that do)"
+            "incident directions do not form a table: azimuths have different polar angles (choose those that do)"
         )
     return {rotation: dict(sorted(found[rotation].items())) for rotation in sorted(found)}
 
