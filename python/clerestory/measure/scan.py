@@ -195,6 +195,7 @@ CONDITIONS: dict[str, str] = {
     "detector": "kind and filter",
     "filter": "in the beam",
     "spot_mm": "diameter of the lit spot",
+    "port_mm": "diameter of the sphere's port that the sample covers",
     "source_cone_deg": "full angle of the beam",
     "detector_cone_deg": "full angle that the detector takes in",
     "wavelength_nm": "of the light",

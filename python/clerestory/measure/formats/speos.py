@@ -1,4 +1,4 @@
-"""RT-300S goniophotometer's export for SPEOS (.rtd): OPTIS' header, then the instrument's table and one derived from it.
+"""RT-300S goniophotometer's export for SPEOS (.rtd): OPTIS' header, then its own table and one derived from it.
 
 The first table of a sample is what was measured; the second, on SPEOS' azimuths, is interpolated from it and not read.
 """
@@ -63,7 +63,7 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
     for begin, end in zip(starts, [*starts[1:], len(lines)], strict=True):
         if not lines[begin].strip().lower().endswith("v1.0"):
             raise FileFormatError(
-                f"line {begin + 1}: {lines[begin].strip()[-10:]!r} is not version v1.0 (export it for Zemax or LightTools)"
+                f"line {begin + 1}: {lines[begin].strip()[-10:]!r} is not version v1.0 (export for LightTools)"
             )
         first = _after_spectrum(lines, begin, end)
         header += lines[begin:first]

@@ -5,6 +5,7 @@ Up to four blocks: BRDF, BTDF, specular reflectance and specular transmittance, 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -227,8 +228,8 @@ class _Reader:
         if 4 in block.lists and len(block.lists[4]) != len(block.lists[0]):
             raise FileFormatError(f"line {self._line}: PARAM4_LIST has not as many offsets as PARAM0_LIST angles")
         sizes = [len(block.lists[k]) if k in block.lists else 1 for k in ((0, 1) if block.specular else (0, 1, 2, 3))]
-        shape = (*(sizes + [1, 1])[3::-1], len(block.channels))
-        count = int(np.prod([int(n) for n in shape], dtype=object))
+        shape = (*[*sizes, 1, 1][3::-1], len(block.channels))
+        count = math.prod(shape)
         if mode == "binary":
             size = 4 * count
             if size > len(self._data) - self._at:
@@ -252,16 +253,13 @@ class _Reader:
             line = self._next()
             if line is None:
                 raise FileFormatError(
-                    f"line {self._line}: {counted(words, 'number')} where {count} of a table should be (is the file whole?)"
+                    f"line {self._line}: {counted(words, 'number')} where {count} of a table should be (is it whole?)"
                 )
             texts.append(line)
             words += len(line.split())
-        return (
-            Words(texts, (), first=first).numbers(count, "values of the table") if words == count else self._odd(count)
-        )
-
-    def _odd(self, count: int) -> Floats:
-        raise FileFormatError(f"line {self._line}: the table of {count} numbers ends within this line (correct it)")
+        if words > count:
+            raise FileFormatError(f"line {self._line}: the table of {count} numbers ends within this line (correct it)")
+        return Words(texts, (), first=first).numbers(count, "values of the table")
 
 
 def _symmetry(block: _Block) -> dict[str, str]:
