@@ -74,7 +74,7 @@ def list(  # noqa: A001  # the command's name
     if kind in _SHIPPED:
         if upgrade:
             raise UsageError(f"--upgrade: {kind} come with Clerestory, not from a database (leave it out)")
-        rows = _catalogue(kind)
+        rows: Sequence[object] = _catalogue(kind)
     else:
         with open_database(db, upgrade=upgrade) as database:
             rows = _rows(database, kind, sample, laboratory, date, incident)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from clerestory._core import ClerestoryError, __version__
 from clerestory.counts import counted
-from clerestory.report.document import Document, Paragraph, Table
+from clerestory.report.document import Cell, Document, Paragraph, Table
 from clerestory.report.html import html
 from clerestory.whole import write_whole
 
@@ -169,7 +169,7 @@ def _published(bsdf: Bsdf, sample: Sample, origin: Provenance, files: list[str])
 
 def _document(published: Sequence[Published]) -> Document:
     heads = ("Model", "Sample", "Manufacturer", "Bands", "Files", "Measured by", "Made with", "Not known", "Points")
-    rows = tuple(
+    words = [
         (
             one.name,
             one.sample,
@@ -179,9 +179,12 @@ def _document(published: Sequence[Published]) -> Document:
             ", ".join([*one.laboratories, *one.dates]) or "–",
             f"{one.command} (clerestory {one.version})",
             ", ".join(one.missing) or "nothing",
-            one.points,
         )
         for one in published
+    ]
+    rows = tuple(
+        (*(Cell(text) for text in line), Cell(str(one.points), one.points))
+        for line, one in zip(words, published, strict=True)
     )
     count = counted(len(published), "model")
     return Document(

@@ -97,8 +97,8 @@ def keep_record(database: Writing, record: Record) -> list[str]:
                 )
                 if one.lamp_wavelength_nm is not None or one.lamp_power is not None:
                     settings["lamp_spectrum"] = (one.lamp_wavelength_nm or [], one.lamp_power or [])
-                of = {"kind": instrument.kind, "manufacturer": instrument.manufacturer}
-                number = database.describe_configuration(instrument.name, one.name, **of, **settings)
+                settings |= {"kind": instrument.kind, "manufacturer": instrument.manufacturer}
+                number = database.describe_configuration(instrument.name, one.name, **settings)
                 _note(database, "configuration", number, one.notes)
                 done.append(f"configuration {one.name} of {instrument.name}")
     return done
