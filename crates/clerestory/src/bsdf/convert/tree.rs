@@ -106,7 +106,7 @@ fn has_beams(model: &Model) -> bool {
         Model::Specular(_) | Model::Beam(_) | Model::Separated(_) => true,
         Model::Sum(s) => s.parts().iter().any(|(_, m)| has_beams(m)),
         Model::Turned(t) => has_beams(t.base()),
-        Model::Matrix(_) | Model::Tree(_) | Model::Lambertian(_) | Model::Reversed(_) => false,
+        Model::Matrix(_) | Model::Tree(_) | Model::Lambertian(_) | Model::Reversed(_) | Model::Filtered(_) => false,
     }
 }
 
