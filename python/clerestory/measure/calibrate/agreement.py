@@ -86,7 +86,7 @@ class Agreement:
         return tuple(r for r in self.rows if (r.side, r.scatter, r.band) == (side, scatter, band))
 
 
-def of_model(bsdf: Bsdf, values: Iterable[SphereValues]) -> Agreement:
+def of_model(bsdf: Bsdf, values: Iterable[SphereValues], *, standard: str = "en410") -> Agreement:
     """A data set beside a sphere's values.
 
     Raises
@@ -94,7 +94,7 @@ def of_model(bsdf: Bsdf, values: Iterable[SphereValues]) -> Agreement:
     ClerestoryError
         No value is of a band and component that the data set has.
     """
-    known, left = known_values(values, bsdf.bands)
+    known, left = known_values(values, bsdf.bands, standard=standard)
     rows, scattering = [], {}
     for one in known:
         if one.hemispherical is None:
@@ -111,7 +111,7 @@ def of_model(bsdf: Bsdf, values: Iterable[SphereValues]) -> Agreement:
     return _agreement(known, rows, left, scattering)
 
 
-def of_scans(measurement: Measurement, values: Iterable[SphereValues]) -> Agreement:
+def of_scans(measurement: Measurement, values: Iterable[SphereValues], *, standard: str = "en410") -> Agreement:
     """Integrals of scans beside a sphere's values, where both are of the same light.
 
     Raises
@@ -121,7 +121,7 @@ def of_scans(measurement: Measurement, values: Iterable[SphereValues]) -> Agreem
     """
     samples = [scan for scan in measurement.of() if scan.quantity != "signal"]
     channels = list(dict.fromkeys(name for scan in samples for name in scan.channels))
-    known, left = known_values(values, channels)
+    known, left = known_values(values, channels, standard=standard)
     rows = []
     for one in known:
         if one.hemispherical is None:

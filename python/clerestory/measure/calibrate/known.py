@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clerestory._core import ClerestoryError
-from clerestory.measure.prepare.spectra import SPECTRA, spectrum
+from clerestory.system.spectrum import standard as of_standard
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from clerestory.directions import Scatter, Side
     from clerestory.measure.sphere import Collected, SphereValues
+    from clerestory.system.spectrum import Standard
 
 LEAST_COVERED = 0.9
 """Share of a standard's spectrum that must have been measured for a band's value."""
@@ -43,7 +44,9 @@ class Known:
         return f"{self.band}, {self.scatter} from the {self.side}, {self.theta_deg:g}° at azimuth {self.phi_deg:g}°"
 
 
-def known_values(values: Iterable[SphereValues], bands: Sequence[str]) -> tuple[list[Known], list[str]]:
+def known_values(
+    values: Iterable[SphereValues], bands: Sequence[str], *, standard: str = "en410"
+) -> tuple[list[Known], list[str]]:
     """Values of a sphere in the bands of a data set, and what could not be used, in words.
 
     Hemispherical, diffuse and direct light of one direction come together; two of them give the third.
@@ -51,19 +54,22 @@ def known_values(values: Iterable[SphereValues], bands: Sequence[str]) -> tuple[
     Parameters
     ----------
     values
-        As read: spectra or bands. Spectra give `visible` and `solar` (EN 410).
+        As read: spectra or bands.
     bands
         Names of the bands that are asked for.
+    standard
+        By whose spectra wavelengths are weighed: en410, iso9050 or nfrc300.
     """
     found: dict[tuple[Side, Scatter, str, float, float], dict[Collected, tuple[float, float | None]]] = {}
     conditions: dict[tuple[Side, Scatter, str, float, float], Mapping[str, str]] = {}
     left: list[str] = []
+    light = of_standard(standard)
     for one in values:
         if np.isnan(one.theta_deg):
             left.append("values for evenly diffuse light calibrate no single direction")
             continue
         for band in bands:
-            read = _in_band(one, band)
+            read = _in_band(one, band, light)
             if isinstance(read, str):
                 left.append(read)
                 continue
@@ -101,7 +107,7 @@ def _known(
     return Known(*key, whole, diffuse, direct, error, conditions)
 
 
-def _in_band(one: SphereValues, band: str) -> tuple[float, float | None] | str | None:
+def _in_band(one: SphereValues, band: str, light: Standard) -> tuple[float, float | None] | str | None:
     """Value and standard error in a band; why a spectrum gives none, in words; or None where it is not of that band."""
     if one.wavelength_nm is None:
         names = [name.lower() for name in one.bands]
@@ -109,9 +115,9 @@ def _in_band(one: SphereValues, band: str) -> tuple[float, float | None] | str |
             return None
         k = names.index(band.lower())
         return float(one.values[k]), None if one.standard_errors is None else float(one.standard_errors[k])
-    if band not in SPECTRA:
-        return f"spectra give {', '.join(SPECTRA)}, not {band}"
-    wavelengths, shares = spectrum(band)
+    if band not in light.bands:
+        return f"spectra give {', '.join(light.bands)}, not {band}"
+    wavelengths, shares = light.bands[band].wavelength_nm, light.bands[band].weights
     inside = (wavelengths >= one.wavelength_nm[0]) & (wavelengths <= one.wavelength_nm[-1])
     covered = float(shares[inside].sum())
     if covered < LEAST_COVERED:

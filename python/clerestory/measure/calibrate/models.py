@@ -66,7 +66,12 @@ class Calibration:
 
 
 def calibrated(
-    bsdf: Bsdf, values: Iterable[SphereValues], *, scaling: Scaling = "all", reciprocal: bool = False
+    bsdf: Bsdf,
+    values: Iterable[SphereValues],
+    *,
+    scaling: Scaling = "all",
+    reciprocal: bool = False,
+    standard: str = "en410",
 ) -> Calibration:
     """A data set whose direct-hemispherical values are those of a sphere.
 
@@ -79,7 +84,7 @@ def calibrated(
     bsdf
         Klems matrices, tensor trees, beams and sums of these.
     values
-        Spectra (weighed by EN 410) or values of bands. Components without any stay as they are.
+        Spectra or values of bands. Components without any stay as they are.
     scaling
         What is scaled. `both` needs two of hemispherical, diffuse and direct.
     reciprocal
@@ -98,8 +103,8 @@ def calibrated(
     if reciprocal and scaling != "all":
         raise UnsupportedError("reversed paths are kept equal where all light is scaled (leave the scaling at all)")
     given = list(values)
-    before = of_model(bsdf, given)
-    known, _ = known_values(given, bsdf.bands)
+    before = of_model(bsdf, given, standard=standard)
+    known, _ = known_values(given, bsdf.bands, standard=standard)
     wrong = next((k for k in known if k.hemispherical is not None and not 0.0 <= k.hemispherical <= 1.0), None)
     if wrong is not None:
         raise ClerestoryError(f"{wrong.where}: {wrong.hemispherical:g} is not a share of light (give 0 to 1)")
@@ -137,7 +142,7 @@ def calibrated(
             factor.at.implausible(f"{factor.band}, {factor.scatter} from the {factor.side}, {factor.part} light") or ""
         )
     warnings += _energy(result)
-    after = of_model(result, given)
+    after = of_model(result, given, standard=standard)
     return Calibration(result, tuple(factors), before, after, tuple(dict.fromkeys(filter(None, warnings))))
 
 

@@ -48,6 +48,7 @@ def calibrated_scans(
     *,
     scaling: ScanScaling = "all",
     peak_deg: float = PEAK_DEG,
+    standard: str = "en410",
 ) -> ScanCalibration:
     """Scans whose integrals over the hemisphere are those of a sphere.
 
@@ -58,12 +59,14 @@ def calibrated_scans(
     measurement
         With one scan of BSDF or DSF a light.
     values
-        Spectra (weighed by EN 410) or values of bands; channels of the scans are found by their names.
+        Spectra or values of bands; channels of the scans are found by their names.
     scaling
         All light; what is scattered outside of the peak and under it; or what stands out of its surroundings within
         `peak_deg` of straight or mirrored light.
     peak_deg
         Half angle of the peak's cone [°].
+    standard
+        By whose spectra wavelengths are weighed: en410, iso9050 or nfrc300.
 
     Raises
     ------
@@ -75,7 +78,7 @@ def calibrated_scans(
     if not 0.0 < peak_deg < 45.0:
         raise ClerestoryError(f"a peak of {peak_deg:g}° about straight light is not one (give a half angle below 45°)")
     given = list(values)
-    before = of_scans(measurement, given)
+    before = of_scans(measurement, given, standard=standard)
     made = [scan.as_bsdf() for scan in measurement.of()]
     warnings = list(before.warnings)
     figures: dict[str, object] = {}
@@ -97,7 +100,7 @@ def calibrated_scans(
             factor = found.at(np.array([scan.incident_theta_deg]), np.array([scan.incident_phi_deg]))[0]
             made[k] = _with(scan, band, parts[k], float(factor))
     result = with_samples(measurement, made)
-    after = of_scans(result, given)
+    after = of_scans(result, given, standard=standard)
     words = f"{counted(len(made), 'scan')} scaled to a sphere's values ({scaling} light)"
     step = Step(
         "calibration",

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from scipy.spatial import Delaunay, QhullError, cKDTree
+from threadpoolctl import threadpool_limits
 
 from clerestory._core import ClerestoryError
 from clerestory.counts import counted
@@ -159,7 +160,8 @@ def _within(fine: Scan, coarse: Scan) -> tuple[NDArray[np.bool_], Floats]:
     flat = np.ptp(held, axis=1) <= _FLAT * np.abs(held.mean(axis=1))
     usable = inside.copy()
     usable[inside] = flat[found[inside]]
-    transform = triangles.transform[found[usable]]
+    with threadpool_limits(1):  # a triangle at a time: threads would only wait for each other
+        transform = triangles.transform[found[usable]]
     two = np.einsum("nij,nj->ni", transform[:, :2], coarse.outgoing[usable] @ frame - transform[:, 2])
     weights = np.column_stack([two, 1.0 - two.sum(axis=1)])
     expected[usable] = np.einsum("nc,nc->n", held[found[usable]], weights)
