@@ -28,6 +28,10 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+class NoSurfaceError(ClerestoryError):
+    """Points through which there is no surface: too few, or all on one line."""
+
+
 Interpolated = Literal["bsdf", "log", "dsf"]
 """What is linear between three points: BSDF, its logarithm, or BSDF·cos θ."""
 
@@ -35,6 +39,8 @@ CLIP_DEG = 5.0
 """Points closer to the horizon than this [°] are left out: their BSDF is noise over a small cosine."""
 GAP_DEG = 30.0
 """A triangle with a longer side [°] bridges a gap and is not measured."""
+_STEPS = 500
+"""A walk from a corner to a place next to it takes a few; one that goes round in a sliver ends."""
 _SAME = 1e-6
 """Points of the plane closer than this (0.4 arc-seconds) are one, with the mean of their values."""
 _DECADES = 7.0
@@ -74,13 +80,23 @@ class Surface:
     measured_triangles: NDArray[np.bool_]
     """Whether a triangle lies between measured points that are close enough (triangles,)."""
 
-    def evaluate(self, outgoing: ArrayLike, *, dsf: bool = False) -> Floats:
-        """BSDF, or BSDF·cos θ, [1/sr] in directions (..., 3), as (..., channels); NaN where a direction is NaN."""
+    def evaluate(self, outgoing: ArrayLike, *, dsf: bool = False, extrapolate: bool = True) -> Floats:
+        """BSDF, or BSDF·cos θ, [1/sr] in directions (..., 3), as (..., channels); NaN where a direction is NaN.
+
+        Parameters
+        ----------
+        outgoing
+            Directions along the light.
+        dsf
+            Whether the cosine is in it.
+        extrapolate
+            False for NaN where nothing was measured.
+        """
         d = np.asarray(outgoing, dtype=np.float64)
         flat = d.reshape(-1, 3)
         known = np.isfinite(flat).all(axis=1)
         made = np.full((len(flat), len(self.channels)), np.nan)
-        made[known] = self._at(_onto_plane(flat[known]), dsf=dsf)
+        made[known] = self._at(_onto_plane(flat[known]), dsf=dsf, extrapolate=extrapolate)
         return made.reshape(*d.shape[:-1], len(self.channels))
 
     def measured(self, outgoing: ArrayLike) -> NDArray[np.bool_]:
@@ -89,7 +105,7 @@ class Surface:
         flat = d.reshape(-1, 3)
         known = np.isfinite(flat).all(axis=1)
         made = np.zeros(len(flat), dtype=bool)
-        made[known] = self.measured_triangles[self.plane.find_simplex(_inside(_onto_plane(flat[known])))]
+        made[known] = self.measured_triangles[self._find(_onto_plane(flat[known]))[0]]
         return made.reshape(d.shape[:-1])
 
     def integrate(self) -> Integral:
@@ -119,15 +135,37 @@ class Surface:
         directions = np.stack([basis.sample_outgoing(n, u, self.side) for n in range(len(basis))])
         return self.evaluate(directions).mean(axis=1), self.measured(directions).mean(axis=1)
 
-    def _at(self, places: Floats, *, dsf: bool) -> Floats:
+    def _at(self, places: Floats, *, dsf: bool, extrapolate: bool) -> Floats:
         r2 = np.minimum((places**2).sum(axis=1), 1.0)
-        pulled = _inside(places)
-        found = self.plane.find_simplex(pulled)
-        transform = self.plane.transform[found]
-        two = np.einsum("nij,nj->ni", transform[:, :2], pulled - transform[:, 2])
-        weights = np.column_stack([two, 1.0 - two.sum(axis=1)])
+        found, weights = self._find(places)
         held = np.einsum("nic,ni->nc", self.values[self.plane.simplices[found]], weights)
-        return self._from(held, (1.0 - r2) / (1.0 + r2), dsf=dsf)
+        values = self._from(held, (1.0 - r2) / (1.0 + r2), dsf=dsf)
+        return values if extrapolate else np.where(self.measured_triangles[found][:, None], values, np.nan)
+
+    def _find(self, places: Floats) -> tuple[NDArray[np.int64], Floats]:
+        """The triangle of each place (n,), and the place's barycentric coordinates in it (n, 3).
+
+        A walk from a triangle of the nearest corner across the side that the place lies farthest beyond; Qhull's own
+        search goes through all triangles wherever one is flat, as those of scans along lines are.
+        """
+        pulled = _inside(places)
+        corners, neighbours = self.plane.points[self.plane.simplices], self.plane.neighbors
+        found = self.plane.vertex_to_simplex[cKDTree(self.plane.points).query(pulled)[1]].astype(np.int64)
+        weights = np.zeros((len(pulled), 3))
+        left = np.arange(len(pulled))
+        for _ in range(_STEPS):
+            weights[left] = _areas(corners[found[left]], pulled[left])
+            worst = weights[left].argmin(axis=1)
+            outside = weights[left, worst] < -1e-15
+            left, worst = left[outside], worst[outside]
+            beyond = neighbours[found[left], worst]
+            left, beyond = left[beyond >= 0], beyond[beyond >= 0]
+            if not len(left):
+                break
+            found[left] = beyond
+        inside = np.maximum(weights, 0.0)
+        total = inside.sum(axis=1, keepdims=True)
+        return found, np.divide(inside, total, out=np.full_like(inside, 1.0 / 3.0), where=total > 0.0)
 
     def _from(self, held: Floats, cosine: Floats, *, dsf: bool) -> Floats:
         if self.interpolated == "dsf":
@@ -154,8 +192,10 @@ def surface(
 
     Raises
     ------
+    NoSurfaceError
+        The points are fewer than three, or lie on one line.
     ClerestoryError
-        The points are a detector's signal, fewer than three, or lie on one line.
+        They are a detector's signal.
     """
     if not 0.0 <= clip_deg < 90.0:
         raise ClerestoryError(f"points cannot be clipped {clip_deg:g}° from the horizon (give 0 to 90°)")
@@ -163,12 +203,12 @@ def surface(
     kept = bsdf.theta_deg <= min(90.0 - clip_deg, 89.999)
     places, values = _merged(_onto_plane(bsdf.outgoing[kept]), bsdf.values[kept])
     if len(places) < 3:
-        raise ClerestoryError(
+        raise NoSurfaceError(
             f"{counted(len(places), 'point')} up to {90.0 - clip_deg:g}° make no surface (three are needed)"
         )
     spread = np.linalg.svd(places - places.mean(axis=0), compute_uv=False)
     if spread[1] < 1e-3 * spread[0]:
-        raise ClerestoryError("the points lie on one line, which makes no surface (draw a cut through it)")
+        raise NoSurfaceError("the points lie on one line, which makes no surface (draw a cut through it)")
     around = np.radians(np.arange(0.0, 360.0, 2.0))
     rim = np.column_stack([np.cos(around), np.sin(around)])
     beside = cKDTree(places).query(rim)[1]
@@ -237,6 +277,15 @@ def _inside(places: Floats) -> Floats:
     """Places between the horizon and the chords of its points, pulled in to the chords."""
     r = np.sqrt((places**2).sum(axis=1))[:, None]
     return np.asarray(places * np.minimum(1.0, 0.9998 / np.maximum(r, 0.5)))
+
+
+def _areas(corners: Floats, places: Floats) -> Floats:
+    """Twice the areas (n, 3) between places and the sides opposite to each corner of triangles (n, 3, 2), with sign."""
+    made = np.empty((len(places), 3))
+    for k in range(3):
+        a, b = corners[:, (k + 1) % 3], corners[:, (k + 2) % 3]
+        made[:, k] = (b[:, 0] - a[:, 0]) * (places[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (places[:, 0] - a[:, 0])
+    return made
 
 
 def _merged(places: Floats, values: Floats) -> tuple[Floats, Floats]:
