@@ -155,7 +155,7 @@ fn scale(model: &Model, basis: &Arc<Basis>, factors: &[f64], part: Part) -> Resu
                 basis.name()
             )));
         }
-        Model::Turned(_) | Model::Reversed(_) | Model::Separated(_) | Model::Interpolant(_) => {
+        Model::Turned(_) | Model::Reversed(_) | Model::Separated(_) | Model::Filtered(_) | Model::Interpolant(_) => {
             return Err(Error::Unsupported(format!(
                 "a {} model cannot be scaled by incident patches (convert it to a matrix first)",
                 model.kind()

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::interpolant::{Method, Stored};
 use super::{
-    Beam, Cells, Component, Interpolant, Lambertian, Matrix, Model, Rank, Reversed, Separated, Slab, Specular, Sum,
-    Tree, Turn, Turned,
+    Beam, Cells, Component, Filtered, Interpolant, Lambertian, Matrix, Model, Rank, Reversed, Separated, Slab,
+    Specular, Sum, Tree, Turn, Turned,
 };
 use crate::basis::Basis;
 use crate::direction::Scatter;
@@ -37,12 +37,13 @@ pub struct Parts {
 
 impl Parts {
     /// Kinds of models.
-    pub const KINDS: [&'static str; 14] = [
+    pub const KINDS: [&'static str; 16] = [
         "matrix",
         "tree",
         "lambertian",
         "specular",
         "specular-angular",
+        "specular-cosine",
         "specular-patches",
         "pane",
         "beam",
@@ -51,6 +52,7 @@ impl Parts {
         "turned",
         "reversed",
         "separated",
+        "filtered",
         "interpolant",
     ];
 
@@ -191,6 +193,7 @@ impl Model {
             Self::Lambertian(l) => Parts::of("lambertian").number("value", l.value()),
             Self::Specular(Specular::Constant(value)) => Parts::of("specular").number("value", *value),
             Self::Specular(Specular::Angular(values)) => Parts::of("specular-angular").floats("values", values),
+            Self::Specular(Specular::Cosine(values)) => Parts::of("specular-cosine").floats("values", values),
             Self::Specular(Specular::Patches { basis, values }) => Parts::of("specular-patches")
                 .with_bases(&[basis])
                 .floats("values", values),
@@ -233,6 +236,9 @@ impl Model {
                     .entries("covered", stored.covered)
                     .entries("edges", stored.edges)
                     .floats("fluxes", &stored.fluxes)
+            }
+            Self::Filtered(f) => {
+                Parts::of("filtered").with_models([f.base().clone(), f.before().clone(), f.after().clone()])
             }
         }
     }
@@ -277,6 +283,7 @@ impl Model {
             "lambertian" => Self::Lambertian(Lambertian::new(parts.get_number("value")?)?),
             "specular" => Self::Specular(Specular::constant(parts.get_number("value")?)?),
             "specular-angular" => Self::Specular(Specular::angular(parts.floats_there("values")?)?),
+            "specular-cosine" => Self::Specular(Specular::cosine(parts.floats_there("values")?)?),
             "specular-patches" => {
                 Self::Specular(Specular::patches(parts.get_basis(0)?, parts.floats_there("values")?)?)
             }
@@ -332,6 +339,10 @@ impl Model {
                     fluxes: parts.floats_there("fluxes")?,
                 })?)
             }
+            "filtered" => match parts.models.as_slice() {
+                [base, before, after] => Self::Filtered(Filtered::new(base.clone(), before.clone(), after.clone())?),
+                other => return Err(parts.broken(&format!("it is made of {} models, not of three", other.len()))),
+            },
             other => {
                 return Err(Error::Argument(format!(
                     "{other:?} is not a kind of model (known: {})",
@@ -359,12 +370,14 @@ mod tests {
         let tree = Tree::constant(Rank::Isotropic, 0.25).unwrap();
         let shared = Arc::new(matrix.clone());
         let beam = Beam::new(Cells::Patches(basis.clone()), vec![0.25; 41]).unwrap();
+        let pass = Arc::new(Model::Specular(Specular::cosine(vec![0.0, 0.8, 0.9]).unwrap()));
         vec![
             matrix,
             Model::Tree(tree),
             Model::Lambertian(Lambertian::new(0.1).unwrap()),
             Model::Specular(Specular::constant(0.7).unwrap()),
             Model::Specular(Specular::angular(vec![0.9, 0.8, 0.0]).unwrap()),
+            Model::Specular(Specular::cosine(vec![0.0, 0.7, 0.9]).unwrap()),
             Model::Specular(Specular::patches(basis, (0..41).map(|k| uniform(3, k)).collect()).unwrap()),
             Model::Specular(Specular::Pane(Slab::new(1.52, 0.98).unwrap(), Scatter::Reflection)),
             Model::Beam(beam.clone().with_standard_errors(vec![0.1; 41]).unwrap()),
@@ -372,7 +385,8 @@ mod tests {
             Model::Sum(Sum::new(vec![(0.3, shared.clone()), (0.2, shared.clone())]).unwrap()),
             Model::Turned(Turned::new(shared.clone(), Turn::new(0.123_456_789, true))),
             Model::Reversed(Reversed::new(shared.clone())),
-            Model::Separated(Separated::new(shared).unwrap()),
+            Model::Separated(Separated::new(shared.clone()).unwrap()),
+            Model::Filtered(Filtered::new(shared, pass.clone(), pass).unwrap()),
             interpolant(),
         ]
     }

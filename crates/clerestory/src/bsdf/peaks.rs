@@ -33,6 +33,7 @@ impl Model {
             Self::Lambertian(_) | Self::Specular(_) | Self::Beam(_) | Self::Separated(_) | Self::Interpolant(_) => {
                 self.clone()
             }
+            Self::Filtered(f) => Self::Filtered(f.with_base(f.base().with_separated_peaks()?)?),
         })
     }
 

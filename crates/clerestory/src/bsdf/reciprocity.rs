@@ -75,6 +75,7 @@ fn has_view(model: &Model) -> bool {
         Model::Turned(t) => has_view(t.base()),
         Model::Sum(s) => s.parts().iter().any(|(_, m)| has_view(m)),
         Model::Separated(s) => has_view(s.base()),
+        Model::Filtered(f) => has_view(f.base()),
         Model::Matrix(_) | Model::Tree(_) | Model::Lambertian(_) | Model::Specular(_) | Model::Beam(_) => false,
     }
 }

@@ -58,7 +58,7 @@ impl Distribution {
         let own = self.state();
         let raster = Raster::new(CELLS);
         let of = |state: &State| {
-            let mut values = vec![0.0; raster.len()];
+            let mut values = vec![0.0; raster.cells()];
             state.add_to(&raster, &mut values, 0.0);
             values
         };

@@ -383,3 +383,135 @@ impl Scatterer for Interpolant {
         self.with_state(incident, State::resolution)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bsdf::interpolant::distribution::from_square;
+    use crate::sequence::r2;
+
+    /// A floor and a peak straight on, as seen from every 10° of polar angle and, unless it is isotropic, 30° of azimuth.
+    fn measured(isotropic: bool) -> Vec<Distribution> {
+        let azimuths = if isotropic { 1 } else { 12 };
+        (0..9)
+            .flat_map(|k| (0..if k == 0 { 1 } else { azimuths }).map(move |a| (k, a)))
+            .map(|(k, a)| {
+                let incident = Disk::from_angles(f64::from(k * 10).to_radians(), f64::from(a * 30).to_radians());
+                let even = (0..1500).map(|k| from_square(r2(k, [0.1; 2])));
+                let fine = (0..800).map(|k| {
+                    let [u, v] = r2(k, [0.6; 2]);
+                    lobe::draw(lobe::vector(incident), 0.02, [u * u, v])
+                });
+                let outgoing: Vec<Disk> = even.chain(fine).filter(|o| o.theta() < 1.4).collect();
+                let values: Vec<f64> = outgoing.iter().map(|&o| truth(incident, o)).collect();
+                let errors = vec![1e-4; values.len()];
+                let points = Points {
+                    outgoing: &outgoing,
+                    values: &values,
+                    errors: &errors,
+                };
+                fit(incident, &points).unwrap()
+            })
+            .collect()
+    }
+
+    fn truth(incident: Disk, outgoing: Disk) -> f64 {
+        let width = 0.03_f64;
+        let chord2 = distribution::chord2(lobe::vector(incident), lobe::vector(outgoing));
+        let norm = std::f64::consts::TAU * width * width * incident.cos_theta();
+        0.05 + 0.4 * (-0.5 * chord2 / (width * width)).exp() / norm
+    }
+
+    fn model(isotropic: bool, method: Method) -> Interpolant {
+        let symmetry = if isotropic { Symmetry::Isotropic } else { Symmetry::None };
+        Interpolant::new(&measured(isotropic), symmetry, method, &Progress::default()).unwrap()
+    }
+
+    #[test]
+    fn a_peak_wanders_between_measured_directions() {
+        for isotropic in [true, false] {
+            let transport = model(isotropic, Method::Transport);
+            let linear = model(isotropic, Method::Linear);
+            for k in 0..20 {
+                let incident = Disk::from_angles(0.06 * f64::from(k), 0.4 + f64::from(k));
+                let state = transport.state(incident);
+                assert!(state.brightest().angle_to(incident) < 0.005, "{isotropic} {k}");
+                let expected = 0.05 * std::f64::consts::PI + 0.4;
+                assert!(
+                    (state.scattered / expected - 1.0).abs() < 0.01,
+                    "{isotropic} {k}: {}",
+                    state.scattered
+                );
+            }
+            let between = Disk::from_angles(35_f64.to_radians(), 0.25);
+            let height = |m: &Interpolant| m.evaluate(between, between);
+            assert!(height(&transport) > 0.8 * truth(between, between));
+            assert!(height(&linear) < 0.3 * truth(between, between));
+        }
+    }
+
+    #[test]
+    fn edges_of_triangles_agree() {
+        let model = model(false, Method::Transport);
+        // Along the chain of azimuth 30°, from either side.
+        for k in 1..60 {
+            let theta = 0.02 * f64::from(k);
+            let [a, b] = [-1e-7, 1e-7].map(|d| Disk::from_angles(theta, 30_f64.to_radians() + d));
+            for j in 0..20 {
+                let outgoing = Disk::uniform(r2(j, [0.2; 2]));
+                let (x, y) = (model.evaluate(a, outgoing), model.evaluate(b, outgoing));
+                assert!((x - y).abs() < 1e-3 * (x + y), "{k} {j}: {x} {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_was_not_measured_is_said() {
+        let model = model(true, Method::Transport);
+        let inside = Disk::from_angles(0.5, 1.0);
+        assert!(!model.extrapolated(inside, inside));
+        assert!(model.extrapolated(inside, Disk::from_angles(1.5, 1.0)));
+        assert!(model.extrapolated(Disk::from_angles(1.45, 1.0), inside));
+        for theta in [1.45, 1.55, 1.57] {
+            assert!(model.total(Disk::from_angles(theta, 2.0), Part::All).value <= 1.0);
+        }
+    }
+
+    #[test]
+    fn files_keep_it() {
+        let model = model(true, Method::Transport);
+        let again = Interpolant::from_stored(&model.stored()).unwrap();
+        let (i, o) = (Disk::new(0.3, 0.2), Disk::new(0.31, 0.2));
+        assert_eq!(model.evaluate(i, o), again.evaluate(i, o));
+        let mut broken = model.stored();
+        broken.edges.pop();
+        assert!(Interpolant::from_stored(&broken).is_err());
+        let mut broken = model.stored();
+        broken.lobes[2] = -1.0;
+        assert!(Interpolant::from_stored(&broken).is_err());
+    }
+
+    #[test]
+    fn a_tree_of_it_keeps_its_light() {
+        use crate::bsdf::convert::to_tree;
+        use crate::bsdf::tree::Grid;
+        use crate::bsdf::{Model, Rank};
+        let grid = Grid {
+            levels: 5,
+            samples: 4,
+            seed: 0,
+        };
+        let model = Model::Interpolant(model(true, Method::Transport));
+        for rank in [Rank::Isotropic, Rank::Anisotropic] {
+            let done = to_tree(&model, rank, grid, None, &Progress::default()).unwrap();
+            for k in 0..12 {
+                let incident = Disk::from_angles(0.1 * f64::from(k), 1.3);
+                let (a, b) = (
+                    done.tree.total(incident, Part::All).value,
+                    model.total(incident, Part::All).value,
+                );
+                assert!((a / b - 1.0).abs() < 0.02, "{rank:?} {k}: {a} {b}");
+            }
+        }
+    }
+}

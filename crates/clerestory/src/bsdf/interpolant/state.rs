@@ -218,8 +218,8 @@ impl State {
             touched.clear();
             let mut sum = 0.0;
             let [x, y] = cells.box_about(lobe.at, radius2.sqrt());
-            for row in y.0..y.1 {
-                for cell in row * n + x.0..row * n + x.1 {
+            for row in x.0..x.1 {
+                for cell in row * n + y.0..row * n + y.1 {
                     let at = cells.middles[cell];
                     let level = lobe.at[0] * at[0] + lobe.at[1] * at[1];
                     let height = lobe.at[2] * at[2];
@@ -259,7 +259,7 @@ fn range(middle: f64, reach: f64, cells: usize) -> (usize, usize) {
     )
 }
 
-/// Middles of the cells of a tensor tree.
+/// Middles of the outgoing cells of a tensor tree, the first axis slowest.
 pub struct Raster {
     count: usize,
     middles: Vec<Vector>,
@@ -272,13 +272,13 @@ impl Raster {
         Self {
             count,
             middles: (0..count * count)
-                .map(|k| vector(Disk::from_square([at(k % count), at(k / count)])))
+                .map(|k| vector(Disk::from_square([at(k / count), at(k % count)])))
                 .collect(),
         }
     }
 
     /// Number of cells.
-    pub fn len(&self) -> usize {
+    pub fn cells(&self) -> usize {
         self.middles.len()
     }
 
@@ -286,7 +286,7 @@ impl Raster {
         let [x, y] = Disk::new(at[0], at[1])
             .to_square()
             .map(|c| (c * self.count as f64) as usize);
-        y * self.count + x
+        x * self.count + y
     }
 
     fn box_about(&self, at: Vector, radius: f64) -> [(usize, usize); 2] {
