@@ -150,7 +150,8 @@ def scan(sample, theta_deg, phi_deg, *, noise=2e-4, relative=0.01, seed=0, spaci
     rings = [np.array([[0.0, 0.0, 1.0]])]
     for ring_deg in np.arange(spacing_deg, TOP_DEG + 1e-9, spacing_deg):
         count = max(6, round(360.0 * np.sin(np.radians(ring_deg)) / spacing_deg))
-        rings.append(direction(np.full(count, ring_deg), np.arange(count) * 360.0 / count + 7.0 * ring_deg))
+        azimuths = np.arange(count) * 360.0 / count + 7.0 * ring_deg
+        rings.append(direction(np.full(count, ring_deg), azimuths, side="interior"))
     for lobe in lobes:
         if lobe.width < np.radians(2.0):
             fine, _ = _cap(lobe.axis, np.radians(5.0), 28)

@@ -79,6 +79,7 @@ pub fn fit(incident: Disk, points: &Points<'_>) -> Result<Distribution> {
         limit,
         covered,
     };
+    complete_peak(&mut all, &distribution);
     guess(&mut all, &distribution);
     for point in &mut all {
         point.value -= floor;
@@ -112,11 +113,38 @@ fn floor(points: &[Point]) -> f64 {
     (0.95 * means[(LOW * means.len() as f64) as usize]).max(0.0)
 }
 
+/// Of a peak about the straight direction that the instrument's limit cuts, what lies beyond is taken from the opposite side.
+fn complete_peak(points: &mut Vec<Point>, known: &Distribution) {
+    const ABOUT: f64 = 0.14;
+    const DOUBT: f64 = 0.1;
+    let axis = vector(known.incident);
+    if known.incident.theta() + ABOUT < known.limit {
+        return;
+    }
+    let opposite = |p: &Point| {
+        if chord2(axis, p.at) > ABOUT * ABOUT {
+            return None;
+        }
+        let along = 2.0 * (axis[0] * p.at[0] + axis[1] * p.at[1] + axis[2] * p.at[2]);
+        let [x, y, z]: Vector = std::array::from_fn(|k| along * axis[k] - p.at[k]);
+        let image = Disk::new(x, y);
+        (z > 0.0 && image.theta() > known.limit).then(|| point(image, p.value, p.error + DOUBT * p.value.abs()))
+    };
+    let images: Vec<Point> = points.iter().filter_map(opposite).collect();
+    points.extend(images);
+}
+
 /// Adds points where none were measured: the mean of the nearest ones, so that the BSDF stays what it is and BSDF times cosine
 /// falls to 0 at the horizon. They weigh little.
 fn guess(points: &mut Vec<Point>, known: &Distribution) {
     const DOUBT: f64 = 0.3;
+    const NEAR: f64 = 0.05;
     let measured = points.len();
+    // Images of a peak stand for themselves.
+    let known_points = points
+        .iter()
+        .take_while(|p| p.at[2] >= known.limit.cos() - 1e-9)
+        .count();
     // Means of fine cells stand for the points, so that dense scans do not outvote others.
     let mut sums = vec![[0.0; 6]; FINE * FINE];
     for point in &points[..measured] {
@@ -134,10 +162,10 @@ fn guess(points: &mut Vec<Point>, known: &Distribution) {
         .collect();
     for cell in 0..FINE * FINE {
         let middle = cell_middle(cell, FINE);
-        if known.measured(middle) {
+        let at = vector(middle);
+        if known.measured(middle) || points[known_points..].iter().any(|p| chord2(p.at, at) < NEAR * NEAR) {
             continue;
         }
-        let at = vector(middle);
         let mut nearest: Vec<(f64, usize)> = means.iter().enumerate().map(|(k, m)| (chord2(at, m.0), k)).collect();
         let count = NEIGHBOURS.min(nearest.len());
         nearest.select_nth_unstable_by(count - 1, |a, b| a.0.total_cmp(&b.0));
@@ -169,9 +197,17 @@ fn divide(points: &[Point]) -> Vec<Cell> {
         first[y * n + x].points.push(k as u32);
     }
     let mut done = Vec::new();
-    let mut open: Vec<(u32, Cell)> = first.into_iter().map(|cell| (FIRST, cell)).collect();
-    while let Some((level, cell)) = open.pop() {
-        if level >= LAST || !uneven(points, &cell) {
+    let mut open: Vec<(u32, bool, Cell)> = first.into_iter().map(|cell| (FIRST, false, cell)).collect();
+    while let Some((level, steep, cell)) = open.pop() {
+        // Below cells of several points that are far from a plane there is one more level, of a point a cell.
+        let enough = cell.points.len() >= LEAST;
+        let chi2 = if enough { unevenness(points, &cell) } else { 0.0 };
+        let split = if enough {
+            chi2 > UNEVEN
+        } else {
+            steep && cell.points.len() > 1
+        };
+        if level >= LAST || !split {
             done.push(cell);
             continue;
         }
@@ -190,23 +226,28 @@ fn divide(points: &[Point]) -> Vec<Cell> {
             let y = usize::from(square[1] >= cell.corner[1] + half);
             quarters[2 * y + x].points.push(k);
         }
-        if quarters.iter().filter(|q| q.points.is_empty()).count() > 1 {
+        if enough && quarters.iter().filter(|q| q.points.is_empty()).count() > 1 && chi2 < STEEP {
             done.push(cell);
             continue;
         }
-        open.extend(quarters.into_iter().map(|quarter| (level + 1, quarter)));
+        open.extend(
+            quarters
+                .into_iter()
+                .map(|quarter| (level + 1, enough && chi2 > STEEP, quarter)),
+        );
     }
     done
 }
 
-/// Whether the points of a cell do not lie on a plane within their noise and the tolerance.
-fn uneven(points: &[Point], cell: &Cell) -> bool {
-    const LEAST: usize = 4;
-    const CHI2: f64 = 1.5;
+/// Points that a cell needs to be tested.
+const LEAST: usize = 4;
+/// Limits of the unevenness of a cell that is divided, and of one that is divided to single points.
+const UNEVEN: f64 = 1.5;
+const STEEP: f64 = 12.0;
+
+/// How far the points of a cell lie from a plane: mean square over noise and tolerance.
+fn unevenness(points: &[Point], cell: &Cell) -> f64 {
     let n = cell.points.len();
-    if n < LEAST {
-        return false;
-    }
     let mean = cell.points.iter().map(|&k| points[k as usize].value).sum::<f64>() / n as f64;
     // Normal equations of a plane about the middle of the points.
     let mut middle = [0.0; 2];
@@ -242,7 +283,7 @@ fn uneven(points: &[Point], cell: &Cell) -> bool {
             miss * miss / (p.error.powi(2) + (TOLERANCE * mean).powi(2) + f64::MIN_POSITIVE)
         })
         .sum();
-    chi2 / freedom > CHI2
+    chi2 / freedom
 }
 
 /// Amplitudes of 0 or more by least squares, coordinate after coordinate; where points say little they stay near the mean of

@@ -91,18 +91,27 @@ pub fn kernel(q: f64) -> f64 {
 /// A direction drawn from a lobe, mirrored up if it falls below the horizon.
 pub fn draw(centre: Vector, radius2: f64, [u, v]: [f64; 2]) -> Disk {
     let q = 1.0 - (1.0 - u).powf(0.25);
-    let cos = 1.0 - 0.5 * radius2 * q;
+    let [x, y, _] = off(centre, radius2 * q, v);
+    Disk::new(x, y)
+}
+
+/// The direction at a chord and a share of a turn from another one; None below the horizon.
+pub fn around(centre: Vector, chord: f64, turn: f64) -> Option<Disk> {
+    let [x, y, z] = off(centre, chord * chord, turn);
+    (z > 0.0).then(|| Disk::new(x, y))
+}
+
+fn off([x, y, z]: Vector, chord2: f64, turn: f64) -> Vector {
+    let cos = 1.0 - 0.5 * chord2;
     let sin = (1.0 - cos * cos).max(0.0).sqrt();
-    let (s, c) = (TAU * v).sin_cos();
-    let [x, y, z] = centre;
+    let (s, c) = (TAU * turn).sin_cos();
     // Two axes across (Duff et al. 2017, "Building an orthonormal basis, revisited"); z is never negative.
     let (a, b) = (-1.0 / (1.0 + z), -x * y / (1.0 + z));
-    let first = [1.0 + x * x * a, b];
-    let second = [b, 1.0 + y * y * a];
-    Disk::new(
-        cos * x + sin * (c * first[0] + s * second[0]),
-        cos * y + sin * (c * first[1] + s * second[1]),
-    )
+    [
+        cos * x + sin * (c * (1.0 + x * x * a) + s * b),
+        cos * y + sin * (c * b + s * (1.0 + y * y * a)),
+        cos * z - sin * (c * x + s * y),
+    ]
 }
 
 #[cfg(test)]
@@ -125,11 +134,7 @@ mod tests {
                     let q = u;
                     let cos = 1.0 - 0.5 * radius * radius * q;
                     let sin = (1.0 - cos * cos).sqrt();
-                    let (s, c) = (TAU * v).sin_cos();
-                    let (sp, cp) = 0.7_f64.sin_cos();
-                    let across = (x * x + y * y).sqrt();
-                    let height = cos * z - sin * c * across;
-                    let _ = (s, sp, cp);
+                    let height = cos * z - sin * (TAU * v).cos() * x.hypot(y);
                     sum += kernel(q) * height.abs();
                 }
                 let found = sum / f64::from(n) * PI * radius * radius;

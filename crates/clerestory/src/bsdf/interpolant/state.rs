@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 use std::f64::consts::PI;
 
 use super::distribution::{cell_middle, chord2, to_square};
-use super::lobe::{Lobe, Vector, draw, kernel, solid_angle, vector};
+use super::lobe::{Lobe, Vector, around, draw, kernel, solid_angle, vector};
 use crate::bsdf::{Peak, Sample};
 use crate::direction::Disk;
 
@@ -165,25 +165,43 @@ impl State {
         })
     }
 
-    /// Where the BSDF is highest: about the middle of the lobe in which it is.
+    /// Where the BSDF is highest: the centre of gravity of what is above half of the maximum about it.
     pub fn brightest(&self) -> Disk {
+        const RINGS: usize = 24;
+        const SPOKES: usize = 32;
+        const STEPS: usize = 3;
         let middle = |l: &Ready| Disk::new(l.at[0], l.at[1]);
         let best = self.lobes.iter().map(|l| (self.evaluate(middle(l)), l));
         let Some((_, lobe)) = best.max_by(|a, b| a.0.total_cmp(&b.0)) else {
             return Disk::NORMAL;
         };
-        // Up the hill, in smaller and smaller steps.
-        let (mut at, mut step) = (middle(lobe), 0.3 * lobe.radius2.sqrt());
-        let mut value = self.evaluate(at);
-        while step > 1e-5 {
-            let around = (0..8).map(|k| {
-                let (s, c) = (f64::from(k) * PI / 4.0).sin_cos();
-                let next = Disk::new(at.x + step * c, at.y + step * s);
-                (self.evaluate(next), next)
-            });
-            match around.max_by(|a, b| a.0.total_cmp(&b.0)) {
-                Some((higher, next)) if higher > value => (value, at) = (higher, next),
-                _ => step *= 0.5,
+        let mut at = middle(lobe);
+        for _ in 0..STEPS {
+            let half = 0.5 * self.evaluate(at);
+            // Chord to which the hill is higher than that on half of the spokes.
+            let ring = |radius: f64| (0..SPOKES).map(move |k| (radius, k as f64 / SPOKES as f64));
+            let place = |at: Disk, radius: f64, turn: f64| around(vector(at), radius, turn);
+            let mut radius = 0.01;
+            while radius < 1.0 {
+                let above = ring(radius).filter(|&(r, t)| place(at, r, t).is_some_and(|o| self.evaluate(o) > half));
+                if above.count() < SPOKES / 2 {
+                    break;
+                }
+                radius *= 1.2;
+            }
+            let (mut sum, mut x, mut y) = (0.0, 0.0, 0.0);
+            for k in 0..RINGS {
+                let r = 1.3 * radius * (k as f64 + 0.5) / RINGS as f64;
+                for (r, turn) in ring(r) {
+                    let Some(o) = place(at, r, turn) else { continue };
+                    let weight = (self.evaluate(o) - half).max(0.0) * r;
+                    sum += weight;
+                    x += weight * o.x;
+                    y += weight * o.y;
+                }
+            }
+            if sum > 0.0 {
+                at = Disk::new(x / sum, y / sum);
             }
         }
         at
