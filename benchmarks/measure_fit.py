@@ -39,7 +39,10 @@ def _theirs(files: list[str], target: Path) -> None:
 def _ours(files: list[str], target: Path) -> None:
     arguments = ["measure", "fit", *files, "-o", str(target), "--symmetry", "rotational", "--basis", "tensor4"]
     subprocess.run(
-        [sys.executable, "-m", "clerestory", *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True
+        [sys.executable, "-m", "clerestory", *arguments],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        check=True,
     )
 
 

@@ -1,7 +1,7 @@
 """A synthetic laboratory: samples of known BSDF, seen as a goniophotometer sees them.
 
-Incident directions every 10° of θ (to 80°) and 15° of φ; an even scan of the outgoing hemisphere to 80° and fine ones about the
-peaks; a cone of 1.5°, which widens all that is narrow; noise that is alike in DSF, and 1 % of the value.
+Incident directions every 10° of θ (to 80°) and 15° of φ; an even scan of the outgoing hemisphere to 80° and fine ones
+about the peaks; a cone of 1.5°, which widens all that is narrow; noise that is alike in DSF, and 1 % of the value.
 """
 
 from dataclasses import dataclass
@@ -66,7 +66,7 @@ def ring(travel):
 
 
 def twill(travel):
-    """Turned by half a turn it is the same, mirrored it is not: lobes along a slanting line through the straight peak."""
+    """Turned by half a turn it is the same, mirrored it is not: lobes along a slanting line through the peak."""
     along = np.array([np.cos(0.6), np.sin(0.6)])
     straight = Lobe(_up(*travel), np.radians(1.0), 0.15 * _fall(travel, 2.0))
     beside = [

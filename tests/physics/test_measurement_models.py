@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 import numpy as np
-import pg2
 import pytest
 
+import pg2
 from clerestory import ClerestoryError, read
 from clerestory.directions import direction
 from clerestory.measure import Measurement
@@ -19,9 +19,7 @@ PHI = np.array([7.5, 22.0, 37.5, 50.0, 67.5, 80.0, 10.0, 33.0])
 def between(name, method):
     """Relative errors of direct-hemispherical values, angles of the peaks [°], RMS errors over the mean."""
     isotropic = pg2.SYMMETRY[name] == "isotropic"
-    made = fit(
-        pg2.measured(name, isotropic=isotropic), symmetry=pg2.SYMMETRY[name], method=method, hold_out=False
-    )
+    made = fit(pg2.measured(name, isotropic=isotropic), symmetry=pg2.SYMMETRY[name], method=method, hold_out=False)
     incident = direction(THETA, PHI, side="exterior")
     totals = made.bsdf.integrate(incident, "transmission")
     brightest = made.bsdf.models["visible"]["exterior", "transmission"]._core.brightest(incident)

@@ -172,14 +172,14 @@ def _symmetry(
     slanted = [scan.incident_phi_deg for scan in scans if scan.incident_theta_deg > _ONE_AZIMUTH_DEG]
     turned = np.exp(1j * np.radians(slanted))
     if not slanted or np.ptp(np.angle(turned / turned[0], deg=True)) < _ONE_AZIMUTH_DEG:
-        warnings.append("all scans are in one plane of incidence: the sample is taken as isotropic, which is not tested")
+        warnings.append(
+            "all scans are in one plane of incidence: the sample is taken as isotropic, which is not tested"
+        )
         return "isotropic", "one plane of incidence"
     return chosen(scores(scans, channel=band))
 
 
-def _points(
-    group: Sequence[Scan], band: str, *, mirrored: bool
-) -> tuple[Floats, Floats, Floats, Floats, float, float]:
+def _points(group: Sequence[Scan], band: str, *, mirrored: bool) -> tuple[Floats, Floats, Floats, Floats, float, float]:
     """Incident direction, outgoing directions, BSDF and standard errors of the scans of one light; no beam."""
     outgoing = np.concatenate([scan.outgoing for scan in group])
     values = np.concatenate([scan.channel(band) for scan in group])
