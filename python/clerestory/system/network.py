@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from clerestory._core import ClerestoryError
 
@@ -77,6 +78,16 @@ class Beams:
             np.stack([emitted[..., 0], emitted[..., -1]], axis=1),
         )
 
+    def by_patch(self, count: int) -> Beams:
+        """Means over patches of as many directions each, in the order of the patches."""
+        m = self.gain.shape[0] // count
+
+        def mean(values: Floats, axis: int) -> Floats:
+            shape = (*values.shape[:axis], count, m, *values.shape[axis + 1 :])
+            return np.asarray(values.reshape(shape).mean(axis=axis + 1))
+
+        return Beams(mean(self.gain, 0), mean(self.arriving, 0), mean(self.entering, 1), mean(self.leaving, 2))
+
     def escaping(self, side: int) -> Floats:
         """What leaves to a side of light that scattering emits from each face (m, 2L)."""
         return self.gain[:, 0 if side == 0 else -1, :]
@@ -115,7 +126,9 @@ class Scattered:
         onward = np.einsum("fpgq,qgh->fphq", once, again)
         size = len(faces) * n
         try:
-            often = np.linalg.solve(np.eye(size) - onward.reshape(size, size), once.reshape(size, size))
+            # One thread: the same digits on any machine, and no waiting where others compute too.
+            with threadpool_limits(1, user_api="blas"):
+                often = np.linalg.solve(np.eye(size) - onward.reshape(size, size), once.reshape(size, size))
         except np.linalg.LinAlgError:
             raise ClerestoryError(
                 "light that gets between two layers never leaves them (one of them must let some go)"

@@ -23,7 +23,7 @@ from clerestory.model import Model
 from clerestory.system.layer import Parts, components
 from clerestory.system.network import Beams, Scattered
 from clerestory.system.spectrum import Spectrum
-from clerestory.system.window import Window, fields
+from clerestory.system.window import Window, fields, patch_directions
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -173,8 +173,8 @@ class _Band:
         scatters it and the face where it arrives at the first one."""
         if not self.faces:
             return {}
-        beams = self._beams([self.basis.incident_centres(side) for side in SIDES])
         n = len(self.basis)
+        beams = self._beams([patch_directions(self.basis, side, "mean") for side in SIDES]).by_patch(n)
         shares: dict[int, Floats] = {}
         for layer in sorted({face // 2 for face in self.faces}):
             shares[layer] = np.zeros((2, 2, n, n))

@@ -30,7 +30,7 @@ Specular = Literal["centre", "mean"]
 BANDS = ("visible", "solar", "nir")
 EDGES_NM = (*range(300, 781, 40), *range(880, 2581, 100))
 """Limits of the bins in which windows with scattering layers are solved; 380 and 780 nm are among them."""
-SAMPLES = 16
+SAMPLES = 8
 """Directions along each axis of a patch for a mean over it."""
 
 
@@ -212,7 +212,7 @@ class Tables:
         self.units = window.units
         self.notes: list[str] = []
         self._kept: dict[tuple[int, str], tuple[Floats, Floats, Floats | None, Floats]] = {}
-        self.incident = [_directions(basis, side, specular) for side in SIDES]
+        self.incident = [patch_directions(basis, side, specular) for side in SIDES]
 
     def broad(self, band: str, spectrum: Spectrum) -> Solution:
         """A band solved once, with means of the panes' values."""
@@ -343,7 +343,7 @@ def binned(spectrum: Spectrum) -> list[tuple[float, Spectrum]]:
     return bins
 
 
-def _directions(basis: Basis, side: Side, specular: Specular) -> Floats:
+def patch_directions(basis: Basis, side: Side, specular: Specular) -> Floats:
     """Incident directions (n·k, 3), k a patch."""
     if specular == "centre":
         return basis.incident_centres(side)
