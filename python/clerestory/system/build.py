@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 SYSTEMS = Shelf(Path(__file__).parent / "systems", "specification of a window", "system build")
 names = SYSTEMS.names
 
+
 @dataclass(frozen=True)
 class Specified:
     """A specification with its layers made."""
@@ -40,17 +41,13 @@ class Specified:
     def solve(self) -> Built:
         """On the patches that it asks for."""
         keys = self.specification.system
-        built = self.window.solve(
-            keys.basis, norm=keys.standard, spectral=keys.spectral, specular=keys.specular
-        )
+        built = self.window.solve(keys.basis, norm=keys.standard, spectral=keys.spectral, specular=keys.specular)
         return replace(built, bsdf=self._described(built.bsdf))
 
     def sharpened(self) -> Bsdf:
         """At its layers' own resolution."""
-        from clerestory.system.sharp import sharpened
-
         keys = self.specification.system
-        return self._described(sharpened(self.window, norm=keys.standard, basis=keys.basis))
+        return self._described(self.window.sharpened(norm=keys.standard, basis=keys.basis))
 
     def _described(self, bsdf: Bsdf) -> Bsdf:
         keys = self.specification.system
@@ -58,7 +55,9 @@ class Specified:
         return bsdf.with_metadata(name=self.name, **size)
 
 
-def load(source: str | os.PathLike[str] | Mapping[str, Any], *, tell: Callable[[str], object] | None = None) -> Specified:
+def load(
+    source: str | os.PathLike[str] | Mapping[str, Any], *, tell: Callable[[str], object] | None = None
+) -> Specified:
     """A window from a specification.
 
     Parameters
@@ -102,7 +101,7 @@ def _made(
             layer = _layer(keys, folder, basis, sources, tell)
         except ClerestoryError as error:
             raise RecipeError(f"layer {number} ({_called(keys)}): {error}") from None
-        solids.append(layer.flipped() if keys.flipped else layer)
+        solids.append(replace(layer.flipped() if keys.flipped else layer, number=number))
     name = specification.system.name or " + ".join(layer.name for layer in solids)
     return Specified(specification, Window(solids, gaps), name, sources)
 
@@ -162,9 +161,7 @@ def _glass(keys: GlassKeys, folder: Path, sources: list[Path]) -> Layer:
 
 def _pane_layer(keys: GlassKeys, pane: Any, warnings: tuple[str, ...]) -> Layer:  # noqa: ANN401 (Glass or Plate)
     thermal = _thermal(keys, pane.thermal)
-    return Layer(
-        keys.name or pane.name, pane=replace(pane, thermal=thermal), thermal=thermal, warnings=tuple(warnings)
-    )
+    return Layer(keys.name or pane.name, pane=replace(pane, thermal=thermal), thermal=thermal, warnings=tuple(warnings))
 
 
 def _file(keys: FileKeys, folder: Path, sources: list[Path]) -> Layer:

@@ -1,8 +1,8 @@
 """Light between layers: beams exactly in every direction, scattered light from patch to patch.
 
-Each layer has two faces. Light *arrives* at a face and is *emitted* from one; faces are counted 2k (exterior) and 2k + 1
-(interior) for layer k, outermost first. Gaps are optically nothing and layers have no lateral extent, so a beam keeps its
-point of the disk through the whole system, and beams are a small linear system for every direction.
+Each layer has two faces. Light *arrives* at a face and is *emitted* from one; faces are counted 2k (exterior) and 2k
++ 1 (interior) for layer k, outermost first. Gaps are optically nothing and layers have no lateral extent, so a beam
+keeps its point of the disk through the whole system, and beams are a small linear system for every direction.
 
 With b what beams make of arrivals, s what scattering makes of them, and h the way from a face across its gap:
 
@@ -10,8 +10,8 @@ With b what beams make of arrivals, s what scattering makes of them, and h the w
 
 References
 ----------
-Klems 1994, "A new method for predicting the solar heat gain of complex fenestration systems", ASHRAE Transactions 100, with
-beams kept apart from scattered light.
+Klems 1994, "A new method for predicting the solar heat gain of complex fenestration systems", ASHRAE Transactions
+100, with beams kept apart from scattered light.
 """
 
 from __future__ import annotations
@@ -106,8 +106,13 @@ class Scattered:
 
     @classmethod
     def of(cls, beams: Beams, shares: dict[int, Floats]) -> Scattered:
-        """From what layers scatter: by layer, flux shares (2, 2, n, n) by side of incidence, side that they are emitted
-        to, outgoing and incident patch.
+        """From what layers scatter.
+
+        Parameters
+        ----------
+        shares
+            By layer, flux shares (2, 2, n, n): side of incidence, side that they are emitted to, outgoing and incident
+            patch.
 
         Raises
         ------
@@ -162,8 +167,8 @@ def solve(beams: Beams, shares: dict[int, Floats], absorbers: list[Floats]) -> S
     shares
         What layers scatter, as for `Scattered.of`.
     absorbers
-        What the absorbers of each layer take of the light that arrives, (k, 2, n) by side: one of a plain layer, several
-        of a run of panes that counts as one.
+        What the absorbers of each layer take of the light that arrives, (k, 2, n) by side: one of a plain layer,
+        several of a run of panes that counts as one.
     """
     n, faces = beams.gain.shape[0], beams.gain.shape[1]
     scattered = np.zeros((2, 2, n, n))

@@ -187,6 +187,7 @@ class Specification(Keys):
                 if is_gap:
                     raise wrong("layers", f"layers {number - 1} and {number} are both gaps (make them one)")
                 raise wrong(
-                    "layers", f"between layers {number - 1} and {number} there is no gap (add one of kind gap, with its gas)"
+                    "layers",
+                    f"between layers {number - 1} and {number} there is no gap (add one of kind gap, with its gas)",
                 )
         return self

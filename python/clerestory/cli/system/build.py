@@ -44,19 +44,22 @@ def build(
         typer.Option("-o", "--output", metavar="OUT", help="File to write: .xml, .xml.gz or .bsdf.npz."),
     ] = None,
     target: Annotated[
-        str, typer.Option("--for", metavar="PROGRAM", help="What an XML file is for: plain, radiance, window, energyplus.")
+        str,
+        typer.Option("--for", metavar="PROGRAM", help="What an XML file is for: plain, radiance, window, energyplus."),
     ] = "plain",
     curves: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Write what panes do by angle: .csv, or a picture (.png, .pdf, .svg)."),
     ] = None,
-    list_all: Annotated[bool, typer.Option("--list", help="List the specifications that come with Clerestory.")] = False,
+    list_all: Annotated[
+        bool, typer.Option("--list", help="List the specifications that come with Clerestory.")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Put layers together to a window, and write its BSDF.
 
-    A specification is a TOML file that lists layers from the exterior to the interior: glass, files, recipes of the virtual
-    goniophotometer, and the gas between them; docs/systems.md has every key.
+    A specification is a TOML file that lists layers from the exterior to the interior: glass, files, recipes of the
+    virtual goniophotometer, and the gas between them; docs/systems.md has every key.
 
     Example: clerestory system build double-glazing-roller-blind -o window.xml
     """
@@ -113,7 +116,8 @@ def _write(made: Specified, built: Built, output: Path, target: str) -> None:
         return
     if sharp:
         raise UsageError(
-            f"{output}: XML holds no beams beside tables (end the name with .bsdf.npz, or set system.resolution to patches)"
+            f"{output}: XML holds no beams beside tables (end the name with .bsdf.npz, or set system.resolution to "
+            "patches)"
         )
     name = one_of(target, "--for", ("plain", "radiance", "window", "energyplus"))
     with about(output):
