@@ -43,7 +43,7 @@ _COMMANDS = (
 # Python's ends with an underscore.
 _GROUPS: dict[str, tuple[str, ...]] = {
     "measure": ("import", "list", "show", "export"),
-    "system": (),
+    "system": ("build",),
 }
 
 app = typer.Typer(
