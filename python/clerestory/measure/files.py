@@ -172,8 +172,7 @@ def write(measurement: Measurement, path: str | os.PathLike[str], format_name: s
     measurement
         The scans.
     path
-        A folder, which is made if it is not there; or, where the format has one file for all scans or there is just one,
-        the name of that file. A name with a suffix is a file's.
+        A folder, which is made if it is not there; or a name with a suffix, of the one file that the format makes.
     format_name
         One of `writable_formats()`.
     choices
