@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 FORMATS: tuple[str, ...] = (
     "workbook",
     "rgl",
+    "sir",
     "ssdd",
     "zemax",
     "lighttools",
@@ -29,8 +30,12 @@ FORMATS: tuple[str, ...] = (
     "product_json",
     "igdb_dat",
     "reflet",
+    "astm",
+    "mountain",
+    "iea21",
     "reflectances",
     "sphere_csv",
+    "table",
 )
 """Modules of this package, in the order in which they are asked."""
 
