@@ -81,7 +81,7 @@ def read(
             try:
                 parts.append(_read(inner, formats, choices))
                 found += 1
-            except _UnknownFormatError:
+            except UnknownFormatError:
                 if strict:
                     raise
                 parts.append(Contents(warnings=(f"{inner.relative_to(path)}: no measurement, left out",)))
@@ -90,7 +90,7 @@ def read(
     return Contents.together(parts)
 
 
-class _UnknownFormatError(FileFormatError):
+class UnknownFormatError(FileFormatError):
     """No format recognises a file."""
 
 
@@ -107,14 +107,14 @@ def _read(path: Path, formats: Sequence[Format], choices: Mapping[str, object]) 
     packed = path.read_bytes()
     with named(path):
         if not packed[:HEAD].strip(_NOTHING) and not packed.strip(_NOTHING):
-            raise _UnknownFormatError("the file is empty, or nothing but blanks and zeros (get it again)")
+            raise UnknownFormatError("the file is empty, or nothing but blanks and zeros (get it again)")
         data = _text(gunzip(packed) if packed.startswith(_GZIP) else packed)
         name = path.name
         chosen = next((f for f in formats if f.recognises(data, name)), None)
         if chosen is None and table.readable(data, choices):
             chosen = table
         if chosen is None:
-            raise _UnknownFormatError(
+            raise UnknownFormatError(
                 "no format of measurements is recognised (docs/measurements.md lists them; a table with other names of "
                 "columns needs `columns`)"
             )
