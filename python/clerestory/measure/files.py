@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, cast
 from clerestory._core import ClerestoryError, FileFormatError, gunzip
 from clerestory.files import named
 from clerestory.measure.contents import Contents
-from clerestory.measure.formats import FORMATS, all_formats, table
+from clerestory.measure.formats import FORMATS, UnknownFormatError, all_formats, table
 from clerestory.measure.formats.header import HEAD
 from clerestory.measure.source import digest
 from clerestory.whole import whole_file
@@ -88,10 +88,6 @@ def read(
         if not found:
             raise ClerestoryError(f"{path}: no measurement in the folder (`docs/measurements.md` lists the formats)")
     return Contents.together(parts)
-
-
-class UnknownFormatError(FileFormatError):
-    """No format recognises a file."""
 
 
 def _files_below(folder: Path) -> list[Path]:
