@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, cast
 from clerestory._core import ClerestoryError, FileFormatError, gunzip
 from clerestory.files import named
 from clerestory.measure.contents import Contents
-from clerestory.measure.formats import FORMATS, all_formats, table
+from clerestory.measure.formats import FORMATS, UnknownFormatError, all_formats, table
 from clerestory.measure.formats.choices import CHOICES
 from clerestory.measure.formats.header import HEAD
 from clerestory.measure.source import digest
@@ -83,17 +83,13 @@ def read(
             try:
                 parts.append(_read(inner, choices))
                 found += 1
-            except _UnknownFormatError:
+            except UnknownFormatError:
                 if strict:
                     raise
                 parts.append(Contents(warnings=(f"{inner.relative_to(path)}: no measurement, left out",)))
         if not found:
             raise ClerestoryError(f"{path}: no measurement in the folder (`docs/measurements.md` lists the formats)")
     return Contents.together(parts)
-
-
-class _UnknownFormatError(FileFormatError):
-    """No format recognises a file."""
 
 
 def _files_below(folder: Path) -> list[Path]:
@@ -119,13 +115,13 @@ def read_bytes(packed: bytes, name: str, **choices: object) -> Contents:
     """
     with named(Path(name)):
         if not packed[:HEAD].strip(_NOTHING) and not packed.strip(_NOTHING):
-            raise _UnknownFormatError("the file is empty, or nothing but blanks and zeros (get it again)")
+            raise UnknownFormatError("the file is empty, or nothing but blanks and zeros (get it again)")
         data = _text(gunzip(packed) if packed.startswith(_GZIP) else packed)
         chosen = next((f for f in all_formats() if f.recognises(data, name)), None)
         if chosen is None and table.readable(data, choices):
             chosen = table
         if chosen is None:
-            raise _UnknownFormatError(
+            raise UnknownFormatError(
                 "no format of measurements is recognised (docs/measurements.md lists them; a table with other names of "
                 "columns needs `columns`)"
             )
