@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from scipy.spatial import Delaunay, QhullError, cKDTree
+from threadpoolctl import threadpool_limits
 
 from clerestory._core import ClerestoryError
 from clerestory.counts import counted
@@ -214,7 +215,9 @@ def surface(
     held = _held(values, places, interpolated)
     at_rim = np.zeros((len(rim), values.shape[1])) if interpolated == "dsf" else held[beside]
     try:
-        plane = Delaunay(np.vstack([places, rim]))
+        with threadpool_limits(1):  # LAPACK finds a triangle at a time, and its threads would only wait for each other
+            plane = Delaunay(np.vstack([places, rim]))
+            _ = plane.transform
     except QhullError as error:
         raise ClerestoryError("the points make no triangles (check their angles)") from error
     corners = _on_sphere(plane.points)[plane.simplices]
