@@ -519,6 +519,7 @@ def read_table(
     line: int = 1,
     delimiter: str | None = None,
     words: list[int] = ...,
+    runs: list[int] = ...,
     empty: bool = False,
     stops: bool = False,
 ) -> tuple[list[_Floats], list[list[str]], int, int]:
@@ -536,6 +537,8 @@ def read_table(
         The character between columns; blanks, tabs, commas or semicolons where it is None.
     words
         Columns of words, perhaps quoted; their arrays hold places in the lists of different words.
+    runs
+        Columns that stay the same over many rows: their arrays hold one value a run of rows.
     empty
         Let a field be empty; it is NaN then. Asks for a delimiter.
     stops
@@ -543,7 +546,8 @@ def read_table(
 
     Returns
     -------
-    columns, different words of each column in `words`, byte and line behind the table.
+    columns, different words of each column in `words`, byte and line behind the table. Behind the columns comes the
+    first row of each run where `runs` names any.
 
     Raises
     ------
@@ -551,6 +555,9 @@ def read_table(
         Line, what is wrong and remedy: a row is too short or too long, a number is none or not finite, a comma stands
         for a decimal point.
     """
+
+def write_table(columns: list[_Floats], separator: str, before: str = "") -> bytes:
+    """Rows of numbers, each behind `before`, in the fewest digits that give the same numbers; NaN is an empty field."""
 
 def gunzip(data: bytes) -> bytes:
     """What gzip data unpack to; refused where it is more than 64 MiB and 50 times the data, or begins with zeros only.

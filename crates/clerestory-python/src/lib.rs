@@ -56,7 +56,7 @@ mod _core {
     #[pymodule_export]
     use crate::system::PySystem;
     #[pymodule_export]
-    use crate::table::{gunzip, read_table};
+    use crate::table::{gunzip, read_table, write_table};
     #[pymodule_export]
     use crate::trace::{PyGeometry, PySample};
     #[pymodule_export]

@@ -1,6 +1,7 @@
 //! Tables of numbers as laboratories write them: rows of columns, with comments and columns of words.
 
 use std::collections::HashMap;
+use std::fmt::Write;
 
 use super::counted;
 use super::number::Numbers;
@@ -15,6 +16,8 @@ pub struct Layout {
     pub delimiter: Option<u8>,
     /// Columns of words, from 0.
     pub words: Vec<usize>,
+    /// Columns that stay the same over many rows, from 0: a value is kept for each run of rows only.
+    pub runs: Vec<usize>,
     /// Whether a field may be empty (and is not a number then).
     pub empty: bool,
     /// Whether a line of comment behind rows ends the table.
@@ -24,8 +27,12 @@ pub struct Layout {
 /// What was read.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Table {
-    /// Numbers, column by column; in a column of words each one's place in its list.
+    /// Numbers, column by column; in a column of words each one's place in its list. One a run in columns of runs.
     pub columns: Vec<Vec<f64>>,
+    /// First row of each run, where columns of runs are asked for.
+    pub starts: Vec<usize>,
+    /// How many rows there are.
+    pub rows: usize,
     /// Different words of each column of words, in their order in the file.
     pub words: Vec<Vec<String>>,
     /// Where the table ends (bytes from the start).
@@ -37,6 +44,9 @@ pub struct Table {
 /// Reads the table at `start`, which is the beginning of line number `line`. Lines end as they do on any system; lines
 /// that begin with `#` and empty ones are passed over.
 pub fn read(text: &[u8], start: usize, line: usize, layout: &Layout) -> Result<Table> {
+    if layout.runs.iter().any(|&column| column >= layout.columns) {
+        return Err(Error::Argument("a column of runs is not one of the table's".into()));
+    }
     if start > text.len() {
         return Err(Error::Argument(format!(
             "a table cannot begin at byte {start} of {}",
@@ -54,7 +64,10 @@ pub fn read(text: &[u8], start: usize, line: usize, layout: &Layout) -> Result<T
             words: vec![Vec::new(); layout.words.len()],
             ..Table::default()
         },
-        places: places(layout),
+        places: places(&layout.words),
+        runs: places(&layout.runs),
+        run: vec![f64::NAN; layout.runs.len()],
+        changed: true,
     };
     reader.rows()?;
     let mut table = reader.table;
@@ -62,11 +75,11 @@ pub fn read(text: &[u8], start: usize, line: usize, layout: &Layout) -> Result<T
     Ok(table)
 }
 
-/// For each column up to the last of words, which list its words go to.
-fn places(layout: &Layout) -> Vec<Option<usize>> {
-    let length = layout.words.iter().max().map_or(0, |last| last + 1);
+/// For each column up to the last of those listed, its place in the list.
+fn places(listed: &[usize]) -> Vec<Option<usize>> {
+    let length = listed.iter().max().map_or(0, |last| last + 1);
     (0..length)
-        .map(|column| layout.words.iter().position(|&w| w == column))
+        .map(|column| listed.iter().position(|&w| w == column))
         .collect()
 }
 
@@ -78,6 +91,11 @@ struct Reader<'a> {
     lists: Vec<HashMap<&'a [u8], usize>>,
     table: Table,
     places: Vec<Option<usize>>,
+    runs: Vec<Option<usize>>,
+    /// Values of the run that goes on.
+    run: Vec<f64>,
+    /// Whether the row begins a run.
+    changed: bool,
 }
 
 impl<'a> Reader<'a> {
@@ -115,7 +133,13 @@ impl<'a> Reader<'a> {
             }
             let value = self.field(count)?;
             match self.table.columns.get_mut(count) {
-                Some(column) => column.push(value),
+                Some(column) => match self.runs.get(count) {
+                    Some(&Some(run)) => {
+                        self.changed |= self.run[run].to_bits() != value.to_bits();
+                        self.run[run] = value;
+                    }
+                    _ => column.push(value),
+                },
                 None => return Err(self.miscount(start)),
             }
             count += 1;
@@ -159,6 +183,14 @@ impl<'a> Reader<'a> {
         if count != self.table.columns.len() {
             return Err(self.miscount(start));
         }
+        if self.changed && !self.layout.runs.is_empty() {
+            for (&column, &value) in self.layout.runs.iter().zip(&self.run) {
+                self.table.columns[column].push(value);
+            }
+            self.table.starts.push(self.table.rows);
+        }
+        self.changed = false;
+        self.table.rows += 1;
         Ok(())
     }
 
@@ -297,6 +329,31 @@ impl<'a> Reader<'a> {
     }
 }
 
+/// Rows of numbers as text, each behind `before` and with line ends: the shortest digits that give the same number, and
+/// nothing for one that is none.
+pub fn write(columns: &[&[f64]], before: &str, separator: char) -> Vec<u8> {
+    let rows = columns.iter().map(|c| c.len()).min().unwrap_or(0);
+    let mut text = String::with_capacity(rows * (before.len() + 12 * columns.len()));
+    for row in 0..rows {
+        text.push_str(before);
+        for (k, column) in columns.iter().enumerate() {
+            if k > 0 {
+                text.push(separator);
+            }
+            let value = column[row];
+            let plain = value == 0.0 || (1e-4..1e15).contains(&value.abs());
+            // Writing to memory cannot fail.
+            let _ = match value {
+                v if v.is_nan() => Ok(()),
+                v if plain => write!(text, "{v}"),
+                v => write!(text, "{v:e}"),
+            };
+        }
+        text.push('\n');
+    }
+    text.into_bytes()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -376,7 +433,7 @@ mod tests {
             delimiter: Some(b','),
             words: vec![0, 2],
             empty: true,
-            stops: false,
+            ..Layout::default()
         };
         let text = b"front side,1,\"a, \"\"b\"\"\",2\nback,,c,\nfront side, 3 ,c,4\n";
         let table = read(text, 0, 1, &layout).unwrap();
@@ -401,5 +458,45 @@ mod tests {
         assert_eq!((&text[first.end..first.end + 3], first.line), (&b"# b"[..], 4));
         let second = read(text, first.end, first.line, &layout).unwrap();
         assert_eq!((second.columns[0][0], second.line), (5.0, 6));
+    }
+
+    #[test]
+    fn columns_of_runs_are_kept_once_a_run() {
+        let layout = Layout {
+            columns: 3,
+            runs: vec![2, 0],
+            ..Layout::default()
+        };
+        let table = read(b"1 5 2\n1 6 2\n1 7 3\n1 8 3\n1 9 2\n", 0, 1, &layout).unwrap();
+        assert_eq!(
+            table.columns,
+            [vec![1.0; 3], vec![5.0, 6.0, 7.0, 8.0, 9.0], vec![2.0, 3.0, 2.0]]
+        );
+        assert_eq!((table.starts, table.rows), (vec![0, 2, 4], 5));
+        let beyond = Layout {
+            columns: 2,
+            runs: vec![2],
+            ..Layout::default()
+        };
+        assert!(read(b"1 2", 0, 1, &beyond).is_err());
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let columns: Vec<Vec<f64>> = (0..3)
+            .map(|k| {
+                (0..500)
+                    .map(|n| (crate::sequence::uniform(k, n) - 0.5) * 10_f64.powi((n % 40) as i32 - 20))
+                    .chain([0.0, 90.0, 0.1, f64::MAX, 5e-324])
+                    .collect()
+            })
+            .collect();
+        let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        for separator in [' ', ',', ';', '\t'] {
+            let text = write(&slices, "", separator);
+            assert_eq!(read(&text, 0, 1, &Layout::default()).unwrap().columns, columns);
+        }
+        let text = write(&[&[1.5, f64::NAN], &[1e-7, 2.0]], "a,", ',');
+        assert_eq!(String::from_utf8(text).unwrap(), "a,1.5,1e-7\na,,2\n");
     }
 }

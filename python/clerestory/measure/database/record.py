@@ -6,8 +6,10 @@ import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pydantic import Field
+
 from clerestory._core import FileFormatError
-from clerestory.trace.keys import Keys, Positive, RecipeError  # noqa: TC001  # pydantic looks at them at run time
+from clerestory.trace.keys import Keys, Positive, RecipeError  # pydantic looks at them at run time
 
 if TYPE_CHECKING:
     import os
@@ -29,7 +31,7 @@ class SampleRecord(Keys):
     symmetry: str | None = None
     pictures: list[str] | None = None
     """Paths or addresses of photographs and CAD drawings."""
-    notes: list[str] = []
+    notes: list[str] = Field(default_factory=list)
 
 
 class ConfigurationRecord(Keys):
@@ -45,7 +47,7 @@ class ConfigurationRecord(Keys):
     spot_mm: Positive | None = None
     source_cone_deg: Positive | None = None
     detector_cone_deg: Positive | None = None
-    notes: list[str] = []
+    notes: list[str] = Field(default_factory=list)
 
 
 class InstrumentRecord(Keys):
@@ -60,8 +62,8 @@ class InstrumentRecord(Keys):
 class Record(Keys):
     """A file of records."""
 
-    samples: list[SampleRecord] = []
-    instruments: list[InstrumentRecord] = []
+    samples: list[SampleRecord] = Field(default_factory=list)
+    instruments: list[InstrumentRecord] = Field(default_factory=list)
 
 
 def read_record(path: str | os.PathLike[str]) -> Record:
@@ -95,8 +97,8 @@ def keep_record(database: Writing, record: Record) -> list[str]:
                 )
                 if one.lamp_wavelength_nm is not None or one.lamp_power is not None:
                     settings["lamp_spectrum"] = (one.lamp_wavelength_nm or [], one.lamp_power or [])
-                of = {"kind": instrument.kind, "manufacturer": instrument.manufacturer}
-                number = database.describe_configuration(instrument.name, one.name, **of, **settings)
+                settings |= {"kind": instrument.kind, "manufacturer": instrument.manufacturer}
+                number = database.describe_configuration(instrument.name, one.name, **settings)
                 _note(database, "configuration", number, one.notes)
                 done.append(f"configuration {one.name} of {instrument.name}")
     return done

@@ -13,7 +13,30 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     from clerestory.measure.contents import Contents
 
-FORMATS: tuple[str, ...] = ()
+FORMATS: tuple[str, ...] = (
+    "workbook",
+    "rgl",
+    "sir",
+    "ssdd",
+    "zemax",
+    "lighttools",
+    "integra",
+    "integra_specular",
+    "jdv",
+    "speos",
+    "fred",
+    "viavi",
+    "brf",
+    "product_json",
+    "igdb_dat",
+    "reflet",
+    "astm",
+    "mountain",
+    "iea21",
+    "reflectances",
+    "sphere_csv",
+    "table",
+)
 """Modules of this package, in the order in which they are asked."""
 
 

@@ -61,7 +61,9 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
     names = lines[at].split()[4:]
     channels = tuple(f"{match[1]} nm" for match in map(_WAVELENGTH.match, names) if match)
     if len(channels) != len(names) or not channels or len(set(channels)) < len(channels):
-        raise FileFormatError(f"line {at + 1}: the columns after the angles are not wavelengths such as 550nm, each once")
+        raise FileFormatError(
+            f"line {at + 1}: the columns after the angles are not wavelengths such as 550nm, each once"
+        )
     width = 4 + len(channels)
     for k, line in enumerate(lines[at + 1 :], start=at + 2):
         if line.strip() and len(line.split()) != width:

@@ -21,17 +21,17 @@ ABOVE_DEG = 90.0
 
 def lit_side(choices: Mapping[str, object]) -> Side:
     """The side that the light comes from, or that a file's front is."""
-    return cast("Side", _one_of(choices, "side", SIDES, SIDES[0]))
+    return cast("Side", one_of(choices, "side", SIDES, SIDES[0]))
 
 
 def scatter_of(choices: Mapping[str, object]) -> Scatter | None:
     """Whether the scatter is transmission or reflection, if it is said."""
-    return cast("Scatter | None", _one_of(choices, "scatter", SCATTERS, None))
+    return cast("Scatter | None", one_of(choices, "scatter", SCATTERS, None))
 
 
 def quantity_of(choices: Mapping[str, object], default: Quantity) -> Quantity:
     """What the values are."""
-    return cast("Quantity", _one_of(choices, "quantity", QUANTITIES, default))
+    return cast("Quantity", one_of(choices, "quantity", QUANTITIES, default))
 
 
 def sample_of(choices: Mapping[str, object], name: str, stated: str = "") -> str:
@@ -56,7 +56,8 @@ def angle_of(choices: Mapping[str, object], key: str, default: float | None) -> 
     return float(said)
 
 
-def _one_of(choices: Mapping[str, object], key: str, known: tuple[str, ...], default: str | None) -> str | None:
+def one_of(choices: Mapping[str, object], key: str, known: tuple[str, ...], default: str | None) -> str | None:
+    """One of some words that is said, or what stands for silence."""
     said = choices.get(key)
     if said is None:
         return default

@@ -40,8 +40,10 @@ def pairs(lines: Iterable[str]) -> dict[str, str]:
 
 
 def conditions_of(stated: Mapping[str, str]) -> dict[str, str]:
-    """What pairs say of the measurement, by the keys of `CONDITIONS` where they are known, and a wavelength they name."""
-    conditions = {_MEANINGS.get(key.lower(), key): value for key, value in stated.items() if key.lower() not in _RESERVED}
+    """What pairs say of the measurement, by the keys of `CONDITIONS` where known, and the wavelength of the lamp."""
+    conditions = {
+        _MEANINGS.get(key.lower(), key): value for key, value in stated.items() if key.lower() not in _RESERVED
+    }
     if "wavelength_nm" not in conditions:
         named = _WAVELENGTH.search(conditions.get("lamp", ""))
         if named:

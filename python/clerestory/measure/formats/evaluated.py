@@ -31,9 +31,7 @@ def hemisphere(theta_deg: float, phi_deg: float, side: Side, scatter: Scatter) -
     polar, azimuth = np.meshgrid(np.arange(STEP_DEG, _LAST_DEG + 1.0, STEP_DEG), np.arange(0.0, 360.0, STEP_DEG))
     around = np.arange(0.0, 360.0, 30.0)
     radial, about = np.meshgrid(FINE_DEG[1:], around)
-    near, along, above = from_specular(
-        np.append(radial, 0.0), np.append(about, 0.0), theta_deg, phi_deg, side, scatter
-    )
+    near, along, above = from_specular(np.append(radial, 0.0), np.append(about, 0.0), theta_deg, phi_deg, side, scatter)
     above &= near <= _LAST_DEG
     theta = np.concatenate([[0.0], polar.ravel(), near[above]])
     phi = np.concatenate([[0.0], azimuth.ravel(), along[above]])

@@ -67,7 +67,12 @@ class HalfDifference:
         if self.mirrored:
             period = 180.0 if self.reciprocal else 360.0
             phi_d = np.minimum(phi_d, period - phi_d)
-        axes = [(self.phi_d_deg, phi_d), (self.theta_d_deg, theta_d), (self.phi_h_deg, phi_h), (self.theta_h_deg, theta_h)]
+        axes = [
+            (self.phi_d_deg, phi_d),
+            (self.theta_d_deg, theta_d),
+            (self.phi_h_deg, phi_h),
+            (self.theta_h_deg, theta_h),
+        ]
         values = self.values
         grid, asked = [], []
         for axis, (angles, where) in enumerate(axes):

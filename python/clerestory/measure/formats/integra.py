@@ -182,7 +182,7 @@ def _header(words: Words) -> _Header:
             kinds = (words.take("the value of TypeData") + " " + words.rest_of_line()).lower().split()
             if kinds[0] not in ("luminance", "intensity") or kinds[1:2] not in ([], ["absolute"], ["relative"]):
                 raise FileFormatError(
-                    f"line {line}: TypeData {' '.join(kinds)[:40]!r} is not Luminance or Intensity, Absolute or Relative"
+                    f"line {line}: TypeData {' '.join(kinds)[:40]!r} is not Luminance or Intensity, Absolute or …"
                 )
             header.intensity, header.relative = kinds[0] == "intensity", kinds[1:2] == ["relative"]
         else:
@@ -192,7 +192,7 @@ def _header(words: Words) -> _Header:
     missing = [key for key in ("sigma", "phi", "theta") if key not in angles]
     missing += [key for key, value in (("TypeSym", header.symmetry), ("TypeColorModel", header.colours)) if not value]
     if missing:
-        raise FileFormatError(f"line {words.line}: the data begin without {', '.join(missing)} (is the header whole?)")
+        raise FileFormatError(f"line {words.line}: the data begin without {', '.join(missing)} (is it whole?)")
     return header
 
 
@@ -254,7 +254,7 @@ def _channels(
 
 def _convention(scatter: Scatter, side: Side, *, refracted: bool) -> str:
     text = (
-        "scatter angles about the specular direction, azimuth 0 toward the normal, counter-clockwise against the light; "
+        "scatter angles about the specular direction, azimuth 0 toward the normal, counter-clockwise against it; "
         f"light on the {side}, from above at psi 0, turned counter-clockwise by psi as seen from there"
     )
     if scatter == "transmission":

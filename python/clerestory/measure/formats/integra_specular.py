@@ -50,7 +50,11 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
     words = Words(lines, COMMENTS)
     colours, incidences = _header(words)
     source = Source(
-        name, digest(data), NAME, tuple(lines[: words.line - 1]), f"sigma from the normal of the {side}; shares of the light"
+        name,
+        digest(data),
+        NAME,
+        tuple(lines[: words.line - 1]),
+        f"sigma from the normal of the {side}; shares of the light",
     )
     found: dict[str, Floats] = {}
     for _ in range(colours):

@@ -29,7 +29,11 @@ _FIRST = "datatype:"
 def recognises(data: bytes, name: str) -> bool:
     """Whether it begins with the type of its data and names the incidence."""
     head = head_of(data)
-    return head[:1] != [] and any(line.startswith(_FIRST) for line in head) and any(x.startswith("incidence:") for x in head)
+    return (
+        head[:1] != []
+        and any(line.startswith(_FIRST) for line in head)
+        and any(x.startswith("incidence:") for x in head)
+    )
 
 
 def read(data: bytes, name: str, **choices: object) -> Contents:

@@ -148,7 +148,9 @@ def _header(words: Words) -> tuple[str, bool, Floats, Floats]:
             value = words.take("the value of Symmetry")
             symmetry = _SYMMETRIES.get(value.lower(), "")
             if not symmetry:
-                raise FileFormatError(f"line {line}: Symmetry {value!r} is not PlaneSymmetrical or Asymmetric (correct it)")
+                raise FileFormatError(
+                    f"line {line}: Symmetry {value!r} is not PlaneSymmetrical or Asymmetric (correct it)"
+                )
         elif word == "spectralcontent":
             value = words.take("the value of SpectralContent").lower()
             if value not in ("monochrome", "xyz"):
@@ -263,7 +265,9 @@ def write(measurement: Measurement, **choices: object) -> dict[str, bytes]:
         side, azimuth = scan.incident_side, _plane(scan)
         key = (side, scan.scatter, round(scan.incident_theta_deg, 6), azimuth)
         if key in seen:
-            raise ClerestoryError(f"two scans of light from {key[2]:g}° at azimuth {scan.incident_phi_deg:g}° (combine them)")
+            raise ClerestoryError(
+                f"two scans of light from {key[2]:g}° at azimuth {scan.incident_phi_deg:g}° (combine them)"
+            )
         seen.add(key)
         theta, phi = np.broadcast_arrays(polars, seen_from(SIDES[0], azimuths)[:, None])
         above = np.cos(np.radians(theta)) > HORIZON
@@ -305,5 +309,3 @@ def _wavelength(scan: Scan, channel: str) -> str:
     if channel.endswith(" nm"):
         return channel.removesuffix(" nm")
     return scan.conditions.get("wavelength_nm", "555")
-
-

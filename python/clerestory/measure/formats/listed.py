@@ -52,7 +52,9 @@ def blocks(lines: Sequence[str], first: int) -> list[tuple[int, float, float, Fl
             raise FileFormatError(f"line {first + head}: an incident direction without values (is the file whole?)")
         for k, words in rows:
             if len(words) != 3:
-                raise FileFormatError(f"line {first + k}: {len(words)} words instead of two angles and a value (correct it)")
+                raise FileFormatError(
+                    f"line {first + k}: {len(words)} words instead of two angles and a value (correct it)"
+                )
         flat = [word for _, words in rows for word in words]
         try:
             values = np.array(flat, dtype=np.float64)

@@ -129,7 +129,9 @@ def _azimuths(keys: Mapping[str, str], columns: int, line: int) -> Floats:
     given = [stated(keys, f"phi measure {word}") for word in ("beginning", "end", "step")]
     if not any(given):
         if columns != 1:
-            raise FileFormatError(f"line {line}: {columns} columns without Phi measure beginning, end and step (add them)")
+            raise FileFormatError(
+                f"line {line}: {columns} columns without Phi measure beginning, end and step (add them)"
+            )
         return np.array([-90.0])
     first, last, step = (
         number(word or "nothing", f"Phi measure {what}", line)

@@ -66,8 +66,7 @@ def table(
     half
         The table is half of one that is symmetric to the plane of incidence.
     """
-    from scipy.interpolate import LinearNDInterpolator
-    from scipy.spatial import KDTree, QhullError
+    from scipy.spatial import KDTree
 
     columns = [scan.channels.index(channel) for channel in channels]
     measured = scan.values[:, columns]
@@ -79,10 +78,7 @@ def table(
     between = away > _SAME
     guessed = 0
     if between.any():
-        try:
-            linear = LinearNDInterpolator(scan.outgoing[:, :2], measured)(asked[between, :2])
-        except QhullError:  # all points in one plane, which has no surface to interpolate on
-            linear = np.full((int(between.sum()), len(columns)), np.nan)
+        linear = _linear(scan.outgoing[:, :2], measured, asked[between, :2])
         known = np.isfinite(linear).all(axis=1)
         found[np.flatnonzero(between)[known]] = linear[known]
         guessed = int((~known).sum())
@@ -95,6 +91,30 @@ def table(
     if stated is not None:
         totals[list(channels).index("Y") if "Y" in channels else 0] = float(stated)
     return Table(values, totals, guessed)
+
+
+def _linear(places: Floats, values: Floats, asked: Floats) -> Floats:
+    """Values (m, channels) at places (m, 2), linear on the triangles between others (n, 2); NaN outside of them."""
+    from matplotlib.tri import Triangulation
+
+    found = np.full((len(asked), values.shape[1]), np.nan)
+    try:
+        triangles = Triangulation(places[:, 0], places[:, 1])
+    except (RuntimeError, ValueError):  # all points in one plane, or fewer than three: there are no triangles
+        return found
+    which = triangles.get_trifinder()(asked[:, 0], asked[:, 1])
+    inside = which >= 0
+    corners = triangles.triangles[which[inside]]
+    first = places[corners[:, 0]]
+    # Barycentric coordinates from the two edges at the first corner.
+    edges = np.stack([places[corners[:, 1]] - first, places[corners[:, 2]] - first], axis=-1)
+    offset = asked[inside] - first
+    area = edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0]
+    second = (offset[:, 0] * edges[:, 1, 1] - offset[:, 1] * edges[:, 0, 1]) / area
+    third = (offset[:, 1] * edges[:, 0, 0] - offset[:, 0] * edges[:, 1, 0]) / area
+    weights = np.stack([1.0 - second - third, second, third], axis=-1)
+    found[inside] = np.einsum("nk,nkc->nc", weights, values[corners])
+    return found
 
 
 def angular_table(rotations_deg: Sequence[float], scans: Sequence[Scan]) -> Mapping[float, Mapping[float, Scan]]:
@@ -122,7 +142,7 @@ def angular_table(rotations_deg: Sequence[float], scans: Sequence[Scan]) -> Mapp
         found = {rotation: row for rotation, row in found.items() if set(row) != {0.0}}
     if len({frozenset(row) for row in found.values()}) > 1:
         raise ClerestoryError(
-            "incident directions do not form a table: not every azimuth has the same polar angles (choose those that do)"
+            "incident directions do not form a table: azimuths have different polar angles (choose those that do)"
         )
     return {rotation: dict(sorted(found[rotation].items())) for rotation in sorted(found)}
 

@@ -85,7 +85,10 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
                     phi_deg,
                     material.evaluate(incident, outgoing),
                     channels=channels,
-                    conditions={"description": " ".join(text.split()), "evaluated": "from the adaptive parametrisation"},
+                    conditions={
+                        "description": " ".join(text.split()),
+                        "evaluated": "from the adaptive parametrisation",
+                    },
                     source=source,
                 )
             )
@@ -105,7 +108,9 @@ def _material(fields: dict[str, NDArray[np.generic]]) -> tuple[MeasuredMaterial,
             raise FileFormatError(f"field {key}: angles do not rise within the hemisphere [rad] (is the file whole?)")
     incident = (len(phi_i), len(theta_i))
     if vndf.shape[:2] != incident or spectra.shape[:2] != incident:
-        raise FileFormatError(f"fields vndf and {coloured} do not have {incident} incident directions (is the file whole?)")
+        raise FileFormatError(
+            f"fields vndf and {coloured} do not have {incident} incident directions (is the file whole?)"
+        )
     if min(*vndf.shape[2:], *spectra.shape[3:]) < 2:
         raise FileFormatError(f"fields vndf and {coloured} have grids of fewer than 2 nodes (is the file whole?)")
     if coloured == "rgb":

@@ -1,4 +1,4 @@
-"""RT-300S goniophotometer's export for SPEOS (.rtd): OPTIS' header, then the instrument's table and one derived from it.
+"""RT-300S goniophotometer's export for SPEOS (.rtd): OPTIS' header, then its own table and one derived from it.
 
 The first table of a sample is what was measured; the second, on SPEOS' azimuths, is interpolated from it and not read.
 """
@@ -63,7 +63,7 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
     for begin, end in zip(starts, [*starts[1:], len(lines)], strict=True):
         if not lines[begin].strip().lower().endswith("v1.0"):
             raise FileFormatError(
-                f"line {begin + 1}: {lines[begin].strip()[-10:]!r} is not version v1.0 (export it for Zemax or LightTools)"
+                f"line {begin + 1}: {lines[begin].strip()[-10:]!r} is not version v1.0 (export for LightTools)"
             )
         first = _after_spectrum(lines, begin, end)
         header += lines[begin:first]
@@ -102,7 +102,9 @@ def _after_spectrum(lines: list[str], begin: int, end: int) -> int:
     """Index of the line after the spectrum, which ends the header."""
     title = next((k for k in range(begin, end) if _SPECTRUM.match(lines[k].strip())), None)
     if title is None or title + 1 >= end:
-        raise FileFormatError(f"line {end}: no Reflection or Transmission Spectrum since line {begin + 1} (is it whole?)")
+        raise FileFormatError(
+            f"line {end}: no Reflection or Transmission Spectrum since line {begin + 1} (is it whole?)"
+        )
     count = number(lines[title + 1].strip() or "nothing", "the count of wavelengths", title + 2)
     if count != int(count) or not 0 <= count <= end - title - 2:
         raise FileFormatError(f"line {title + 2}: {count:g} wavelengths, but the file ends before (is it whole?)")
@@ -134,6 +136,8 @@ def _table(lines: list[str], first: int, end: int) -> tuple[np.ndarray, np.ndarr
     azimuths = np.array([number(word, "an azimuth", rows[0][0]) for word in rows[0][1]])
     for line, words in rows[1:]:
         if len(words) != len(azimuths) + 1:
-            raise FileFormatError(f"line {line}: {len(words) - 1} values where {len(azimuths)} azimuths are given (is it whole?)")
+            raise FileFormatError(
+                f"line {line}: {len(words) - 1} values where {len(azimuths)} azimuths are given (is it whole?)"
+            )
     numbers = np.array([[number(word, "a value", line) for word in words] for line, words in rows[1:]])
     return numbers[:, 0], azimuths, numbers[:, 1:]

@@ -5,6 +5,7 @@ Up to four blocks: BRDF, BTDF, specular reflectance and specular transmittance, 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -159,7 +160,9 @@ class _Reader:
             key, value = key.lower(), value.strip()
             if key == "data_type":
                 if value not in _TYPES:
-                    raise FileFormatError(f"line {self._line}: DATA_TYPE {value[:40]!r} is not one of {', '.join(_TYPES)}")
+                    raise FileFormatError(
+                        f"line {self._line}: DATA_TYPE {value[:40]!r} is not one of {', '.join(_TYPES)}"
+                    )
                 block = _Block(self._line, *_TYPES[value])
             elif block is None:
                 if key not in _FILE:
@@ -192,7 +195,9 @@ class _Reader:
         elif key == "reduction_type":
             block.reduced = tuple(value.lower().split())
             if not set(block.reduced) <= {"bilateral_symmetry", "reciprocity"}:
-                raise FileFormatError(f"{place}: REDUCTION_TYPE {value[:60]!r} is not bilateral_symmetry or reciprocity")
+                raise FileFormatError(
+                    f"{place}: REDUCTION_TYPE {value[:60]!r} is not bilateral_symmetry or reciprocity"
+                )
         elif key in _PARAMETERS:
             angles = self._numbers(value, key.upper())
             rising = np.diff(angles) > 0.0
@@ -223,8 +228,8 @@ class _Reader:
         if 4 in block.lists and len(block.lists[4]) != len(block.lists[0]):
             raise FileFormatError(f"line {self._line}: PARAM4_LIST has not as many offsets as PARAM0_LIST angles")
         sizes = [len(block.lists[k]) if k in block.lists else 1 for k in ((0, 1) if block.specular else (0, 1, 2, 3))]
-        shape = (*(sizes + [1, 1])[3::-1], len(block.channels))
-        count = int(np.prod([int(n) for n in shape], dtype=object))
+        shape = (*[*sizes, 1, 1][3::-1], len(block.channels))
+        count = math.prod(shape)
         if mode == "binary":
             size = 4 * count
             if size > len(self._data) - self._at:
@@ -248,14 +253,13 @@ class _Reader:
             line = self._next()
             if line is None:
                 raise FileFormatError(
-                    f"line {self._line}: {counted(words, 'number')} where {count} of a table should be (is the file whole?)"
+                    f"line {self._line}: {counted(words, 'number')} where {count} of a table should be (is it whole?)"
                 )
             texts.append(line)
             words += len(line.split())
-        return Words(texts, (), first=first).numbers(count, "values of the table") if words == count else self._odd(count)
-
-    def _odd(self, count: int) -> Floats:
-        raise FileFormatError(f"line {self._line}: the table of {count} numbers ends within this line (correct it)")
+        if words > count:
+            raise FileFormatError(f"line {self._line}: the table of {count} numbers ends within this line (correct it)")
+        return Words(texts, (), first=first).numbers(count, "values of the table")
 
 
 def _symmetry(block: _Block) -> dict[str, str]:
@@ -279,7 +283,9 @@ def _from_table(block: _Block, side: Side, source: Source) -> tuple[list[Scan], 
             if block.parameters.startswith("specular"):
                 leaving = float(theta + offsets[t])
                 if not 0.0 <= leaving <= 90.0:
-                    raise FileFormatError(f"block of line {block.line}: offset {offsets[t]:g}° of {theta:g}° leaves 0 to 90°")
+                    raise FileFormatError(
+                        f"block of line {block.line}: offset {offsets[t]:g}° of {theta:g}° leaves 0 to 90°"
+                    )
                 theta_deg, phi_deg, above = from_specular(polars, azimuths[:, None], leaving, phi, side, block.scatter)
             else:
                 # Azimuths without one of the light count from it.
@@ -324,9 +330,7 @@ def _from_half_difference(block: _Block, side: Side, source: Source, choices: Ma
     for phi in incident_angles(choices, "incident_phi_deg", default, -360.0, 360.0):
         for theta in thetas:
             theta_deg, phi_deg = hemisphere(float(theta), float(phi), side, block.scatter)
-            values = table.evaluate(
-                float(theta), float(seen_from(side, phi)), theta_deg, seen_from(side, phi_deg)
-            )
+            values = table.evaluate(float(theta), float(seen_from(side, phi)), theta_deg, seen_from(side, phi_deg))
             known = np.isfinite(values).all(axis=1)
             scans.append(
                 Scan(

@@ -53,7 +53,9 @@ def arrays(data: bytes) -> dict[str, NDArray[np.generic]]:
         at += 2 + length
         dimensions, kind, offset = _unpack("<HBQ", data, at, f"the description of {name[:40]}")
         if kind not in _TYPES or dimensions > _MOST_DIMENSIONS:
-            raise FileFormatError(f"byte {at}: field {name[:40]!r} has no known type or too many dimensions (is it whole?)")
+            raise FileFormatError(
+                f"byte {at}: field {name[:40]!r} has no known type or too many dimensions (is it whole?)"
+            )
         at += 11
         shape = _unpack(f"<{dimensions}Q", data, at, f"the shape of {name[:40]}")
         at += 8 * dimensions

@@ -143,9 +143,13 @@ class Words:
         line = self.line
         value = self.number(f"the count of {what}")
         if value != int(value) or value < 1:
-            raise FileFormatError(f"line {line}: the count of {what} is {value:g}, not a whole number from 1 (correct it)")
+            raise FileFormatError(
+                f"line {line}: the count of {what} is {value:g}, not a whole number from 1 (correct it)"
+            )
         if value > len(self):
-            raise FileFormatError(f"line {line}: {value:.0f} {what} are declared, but the file ends before (is it whole?)")
+            raise FileFormatError(
+                f"line {line}: {value:.0f} {what} are declared, but the file ends before (is it whole?)"
+            )
         return int(value)
 
     def numbers(self, count: int, what: str) -> NDArray[np.float64]:

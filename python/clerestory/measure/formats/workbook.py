@@ -1,4 +1,4 @@
-"""Workbooks of spreadsheets, which instruments' programs write beside their text: refused with what to export instead."""
+"""Workbooks of spreadsheets, which instruments' programs write beside their text: refused, with what to export."""
 
 from __future__ import annotations
 

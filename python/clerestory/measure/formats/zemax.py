@@ -167,7 +167,7 @@ def _header(words: Words) -> _Header:
 
 
 def _blocks(words: Words, header: _Header) -> tuple[Floats, Floats]:
-    """Values (rotations, incidences, azimuths, radials, channels) and total scatter (rotations, incidences, channels)."""
+    """Values (rotations, incidences, azimuths, radials, channels) and TIS (rotations, incidences, channels)."""
     size = len(header.azimuths) * len(header.radials)
     outer = (len(header.rotations), len(header.incidences))
     found: dict[str, tuple[list[Floats], list[float]]] = {}
@@ -177,7 +177,7 @@ def _blocks(words: Words, header: _Header) -> tuple[Floats, Floats]:
         if word not in _BLOCKS or _BLOCKS[word] not in header.channels:
             raise FileFormatError(
                 f"line {line}: {word[:40]!r} where a block of "
-                f"{'TristimulusX, Y or Z' if len(header.channels) > 1 else 'Monochrome'} should begin (do the counts hold?)"
+                f"{'Tristimulus' if len(header.channels) > 1 else 'Monochrome'} should be (do the counts hold?)"
             )
         channel = _BLOCKS[word]
         if channel in found:
@@ -208,7 +208,7 @@ def _expect(words: Words, keyword: str) -> None:
 
 def _convention(header: _Header, side: Side) -> str:
     text = (
-        "scatter angles about the specular direction, azimuth 0 toward the normal, counter-clockwise against the light; "
+        "scatter angles about the specular direction, azimuth 0 toward the normal, counter-clockwise against it; "
         f"light on the {side}, from above at sample rotation 0, the sample turned counter-clockwise as seen from there"
     )
     if header.scatter == "transmission":
@@ -253,7 +253,9 @@ def write(measurement: Measurement, **choices: object) -> dict[str, bytes]:
         words = [measurement.sample, side, kind.lower()]
         if len({names for s, t, names in groups if (s, t) == (side, scatter)}) > 1:
             words.append("".join(channels))
-        files[f"{file_stem('_'.join(words))}{SUFFIX}"] = _text(measurement.sample, side, scatter, channels, scans).encode()
+        files[f"{file_stem('_'.join(words))}{SUFFIX}"] = _text(
+            measurement.sample, side, scatter, channels, scans
+        ).encode()
     return files
 
 

@@ -8,7 +8,9 @@ from __future__ import annotations
 import tomllib
 from pathlib import Path
 
-from clerestory.trace.keys import Keys, NotNegative, Positive  # noqa: TC001  # pydantic looks at them at run time
+from pydantic import Field
+
+from clerestory.trace.keys import Keys, NotNegative, Positive  # pydantic looks at them at run time
 
 _FOLDER = Path(__file__).parent
 
@@ -41,7 +43,7 @@ class CatalogueInstrument(Keys):
     """Sizes that fit."""
     hours: NotNegative | None = None
     """For 145 incident directions [h]."""
-    limits: list[str] = []
+    limits: list[str] = Field(default_factory=list)
     url: str | None = None
 
 
@@ -57,8 +59,8 @@ class CatalogueSoftware(Keys):
 
 
 class _Shelves(Keys):
-    instruments: list[CatalogueInstrument] = []
-    software: list[CatalogueSoftware] = []
+    instruments: list[CatalogueInstrument] = Field(default_factory=list)
+    software: list[CatalogueSoftware] = Field(default_factory=list)
 
 
 def instruments() -> list[CatalogueInstrument]:
