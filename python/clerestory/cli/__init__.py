@@ -50,7 +50,7 @@ _GROUPS: dict[str, tuple[str, ...]] = {
         "plot",
         "export",
     ),
-    "system": ("build",),
+    "system": ("build", "rate"),
 }
 
 app = typer.Typer(
