@@ -135,7 +135,7 @@ def _read(path: Path, choices: Mapping[str, object]) -> Contents:
         return read_bytes(data, path.name, **choices)
     except ClerestoryError as error:
         # Its whole path, where the bytes have a name only.
-        raise type(error)(f"{path.parent / str(error)}") from error
+        raise type(error)(f"{path}{str(error).removeprefix(path.name)}") from error
 
 
 def _text(data: bytes) -> bytes:
