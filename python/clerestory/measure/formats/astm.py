@@ -1,8 +1,8 @@
 """Tables of ASTM E1392 and E2387: keywords, a line VARS that names the columns, then rows of all incident directions.
 
-Angles are radians in the files that are in use, azimuths those of the direction to the source and of the light, counter-
-clockwise as seen by who looks at the lit side. The standards name the quantities and leave the layout open, so what a
-file does not say is told by a person.
+Angles are radians in the files that are in use, azimuths those of the direction to the source and of the light,
+counter-clockwise as seen by who looks at the lit side. The standards name the quantities and leave the layout open, so
+what a file does not say is told by a person.
 """
 
 from __future__ import annotations
@@ -78,8 +78,8 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
         digest(data),
         NAME,
         header,
-        f"light comes from the {side} ({'as stated' if 'INCIDENT_SIDE' in stated else 'assumed'}); {frame.words}; angles in"
-        f" {'degrees' if units == 1.0 else 'radians'}; {words}",
+        f"light comes from the {side} ({'as stated' if 'INCIDENT_SIDE' in stated else 'assumed'}); {frame.words}; "
+        f"angles in {'degrees' if units == 1.0 else 'radians'}; {words}",
     )
     theta, phi = wrapped(columns[2] * units, columns[3] * units)
     values = columns[4][:, None] if len(columns) == 5 else np.stack(columns[4:], axis=1)

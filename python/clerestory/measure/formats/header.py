@@ -78,7 +78,7 @@ def leading(data: bytes, start: int, line: int, mark: bytes = b"#") -> tuple[lis
 
 
 def _line_end(data: bytes, start: int) -> int:
-    """Where a line ends; looked for nearby first, so that a file without one kind of line end is not searched each time."""
+    """Where a line ends; looked for nearby first, so that a file without one kind of line end is not searched again."""
     for stop in (start + HEAD, len(data)):
         ends = [end for end in (data.find(b"\n", start, stop), data.find(b"\r", start, stop)) if end >= 0]
         if ends:

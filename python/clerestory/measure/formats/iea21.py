@@ -57,19 +57,8 @@ _SIDES: dict[str, Side] = {
     "back": "interior",
 }
 _RESERVED = (
-    *(
-        "sample",
-        "sample_name",
-        "isym",
-        "incident_side",
-        "scatter",
-        "up_deg",
-        "quantity",
-        "columns",
-        "purpose",
-        "points",
-    ),
-    *("format", "channel", "theta_1", "phi_1", "theta1", "phi1", "hemispherical"),
+    *("standard", "sample", "sample_name", "isym", "incident_side", "scatter", "up_deg", "quantity", "columns"),
+    *("purpose", "points", "format", "channel", "theta_1", "phi_1", "theta1", "phi1", "hemispherical"),
 )
 _TOLERANCE = 0.05
 """Relative difference of the points' integral from the stated hemispherical value that is named."""
@@ -116,8 +105,8 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
     channel = stated.get("channel", "visible")
     channels = (channel,) if values.shape[1] == 1 else tuple(f"{channel} {k + 1}" for k in range(values.shape[1]))
     words = (
-        f"light comes from the {lit} ({'as stated' if side else 'assumed'}); {frame.words}; θ is from the normal of the lit"
-        " side"
+        f"light comes from the {lit} ({'as stated' if side else 'assumed'}); {frame.words}; "
+        "θ is from the normal of the lit side"
     )
     scans = []
     for scatter, chosen, angles in halves(theta, scatter_of(choices) or _scatter(lines, stated.get("scatter", ""))):
@@ -214,7 +203,7 @@ def _doubts(scan: Scan, line: int) -> list[str]:
 
 
 def _integrated(scan: Scan) -> tuple[float, float] | None:
-    """Integral over the points' triangles in the disk, where areas are projected solid angles, and the share spanned."""
+    """Integral over triangles of points in the disk, where areas are projected solid angles, and the share spanned."""
     places = scan.outgoing[:, :2]
     values = scan.channel(scan.channels[0]).copy()
     if scan.quantity == "dsf":
@@ -247,7 +236,7 @@ def _written(sample: str, scan: Scan, channel: str, column: int) -> bytes:
     conditions = dict(scan.conditions)
     symmetry = _SYMMETRY.match(conditions.get("symmetry", ""))
     lines = [
-        f"# IEA SHC Task 21 {'BTDF' if transmitted else 'BRDF'}",
+        f"# standard: IEA SHC Task 21 {'BTDF' if transmitted else 'BRDF'}",
         f"# sample_name: {one_line(sample)}",
         f"# incident_side: {scan.incident_side}",
         f"# scatter: {scan.scatter}",

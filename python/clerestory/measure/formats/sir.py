@@ -141,7 +141,7 @@ def recognises(data: bytes, name: str) -> bool:
 def read(data: bytes, name: str, **choices: object) -> Contents:
     """The lobes, sampled on the file's grid: a scan for each measured direction.
 
-    Choices are `front` (the side that the file's +z points to), `side` (the lit side, which tells the same) and `sample`.
+    Choices are `front` (the side that the file's +z points to), `side` (the lit one) and `sample`.
     """
     interpolant = interpolant_of(data, **choices)
     header, stated = _header(data)
@@ -152,8 +152,8 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
         digest(data),
         NAME,
         header,
-        f"+z is the {interpolant.front}, +y is up, vectors to the source; lobes of a model are sampled in the middle of the "
-        f"cells of a {interpolant.grid} by {interpolant.grid} grid",
+        f"front, +z, is the {interpolant.front}, +y is up, incident vectors are the source's; "
+        f"lobes of a model are sampled in the middle of the cells of a {interpolant.grid} by {interpolant.grid} grid",
     )
     scans = []
     for k, incident in enumerate(interpolant.incident):

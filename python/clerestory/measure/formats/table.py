@@ -20,7 +20,7 @@ from clerestory.measure.formats.frame import Frame, halves, wrapped
 from clerestory.measure.formats.header import HEAD, conditions_of, leading, lines_of, pair_of
 from clerestory.measure.formats.rows import grouped
 from clerestory.measure.formats.table_columns import WORDS, Column, columns_named, one_band, side_named
-from clerestory.measure.formats.table_writing import RESERVED, notes, write
+from clerestory.measure.formats.table_writing import RESERVED, write
 from clerestory.measure.scan import PURPOSES, Measurement, Scan
 from clerestory.measure.source import Source, digest
 from clerestory.measure.sphere import SphereValues
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["NAME", "notes", "read", "recognises", "write"]
+__all__ = ["NAME", "read", "recognises", "write"]
 
 NAME = "table of points (CSV)"
 
