@@ -44,8 +44,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Developed", "Seam", "develop"]
-
 _COVERED = 0.5
 """A direction of the exit grid counts as seen if so much of its patch is."""
 
