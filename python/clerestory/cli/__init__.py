@@ -44,6 +44,7 @@ _COMMANDS = (
 _GROUPS: dict[str, tuple[str, ...]] = {
     "measure": (
         "plan",
+        "camera",
         "import",
         "list",
         "show",
