@@ -42,7 +42,7 @@ _COMMANDS = (
 # Commands of a group, whose sentence is the docstring of its package. The file of a command that is named by a word of
 # Python's ends with an underscore.
 _GROUPS: dict[str, tuple[str, ...]] = {
-    "measure": ("import", "list", "show", "export"),
+    "measure": ("import", "list", "show", "check", "prepare", "calibrate", "export"),
     "system": (),
 }
 
