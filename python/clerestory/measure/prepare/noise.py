@@ -103,18 +103,18 @@ def noise(scan: Scan, channel: str) -> float:
     below = dsf[dsf < 0.0]
     if len(below) >= _ENOUGH:
         return float(np.sqrt(np.mean(below**2)))
-    return _roughness(scan.outgoing, dsf, dark)
+    return _roughness(scan.outgoing, dsf)
 
 
-def _roughness(outgoing: Floats, dsf: Floats, chosen: NDArray[np.bool_]) -> float:
+def _roughness(outgoing: Floats, dsf: Floats) -> float:
     places, first = np.unique(np.round(outgoing, 9), axis=0, return_index=True)
     if len(places) <= _NEIGHBOURS:
         return 0.0
     _, near = cKDTree(places).query(places, k=_NEIGHBOURS + 1)
     held = dsf[first]
-    off = (held - held[near[:, 1:]].mean(axis=1))[chosen[first]]
-    if len(off) == 0:
-        return 0.0
+    about = held[near[:, 1:]].mean(axis=1)
+    # The dark is told by the neighbours: points that are dark themselves are so by their noise.
+    off = (held - about)[about <= np.quantile(about, 0.25)]
     # A difference to the mean of n neighbours has 1 + 1/n times the variance of one value.
     spread = _MEDIAN_TO_SIGMA * float(np.median(np.abs(off - np.median(off))))
     return spread / float(np.sqrt(1.0 + 1.0 / _NEIGHBOURS))
