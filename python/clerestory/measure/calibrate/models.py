@@ -169,7 +169,7 @@ class _Component:
         else:
             u = (np.stack(np.meshgrid(np.arange(4), np.arange(4)), axis=-1).reshape(-1, 2) + 0.5) / 4.0
             toward = np.stack([self.basis.sample_incident(k, u, self.side) for k in range(len(self.basis))])
-        return self.bsdf.integrate(toward, self.scatter, band=self.band, part=part).mean(axis=1)
+        return np.asarray(self.bsdf.integrate(toward, self.scatter, band=self.band, part=part).mean(axis=1))
 
     def patch(self, one: Known) -> int:
         return int(self.basis.index_of_incident(direction(one.theta_deg, one.phi_deg, side=self.side)))

@@ -179,8 +179,7 @@ def _width(radius: Floats, share: Floats, level: float) -> float | None:
 
 
 def _integral(outgoing: Floats, axis: Floats, values: Floats) -> float:
-    """∫ value dΩ: over the places nearest to each point in Lambert's equal-area projection about the beam, or rings
-    about a line's centre."""
+    """∫ value dΩ: over the places nearest to each point in Lambert's projection, or rings about a line's centre."""
     across = np.cross(axis, [0.0, 1.0, 0.0] if abs(axis[1]) < 0.9 else [1.0, 0.0, 0.0])
     across /= np.linalg.norm(across)
     plane = np.stack([outgoing @ across, outgoing @ np.cross(axis, across)], axis=1)
