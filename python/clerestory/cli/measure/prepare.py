@@ -22,10 +22,10 @@ from clerestory.cli.measure.options import (
 
 if TYPE_CHECKING:
     from clerestory.measure import Measurement
+    from clerestory.measure.prepare.together import Level
 
 _PRESETS = ("clerestory", "hslu", "window", "pab", "pab-up-90")
 _SYMMETRIES = ("auto", "isotropic", "quadrilateral", "left-right", "up-down", "rotational", "none")
-_LEVELS = ("as measured", "coarse", "fine")
 
 
 def prepare(
@@ -102,13 +102,14 @@ def prepare(
     from clerestory.measure.prepare import prepare as prepared_of
 
     form = one_of(format_, "--format", tuple(writable_formats()))
-    chosen = next(name for name in ("as measured", "coarse", "fine") if name == one_of(level, "--level", _LEVELS))
+    levels: tuple[Level, ...] = ("as measured", "coarse", "fine")
+    chosen = next(name for name in levels if name == one_of(level, "--level", levels))
     limit: float | Literal["auto"] = "auto" if grazing == "auto" else _number(grazing, "--grazing")
     measurement = measurement_given(words, sample=sample, database=db, **choices_of(side, scatter, convention, column))
     settings = Settings(
         convention=None if preset is None else one_of(preset, "--preset", _PRESETS),
         detector_cone_deg=detector_cone,
-        level=chosen,  # type: ignore[arg-type]
+        level=chosen,
         grazing_deg=limit,
         shadow_deg=shadow,
         relative_error=error,

@@ -24,6 +24,8 @@ from clerestory.measure.scan import Measurement, Scan
 from clerestory.measure.source import Source, digest
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import NDArray
 
     from clerestory.directions import Scatter, Side
@@ -207,7 +209,7 @@ def _block(words: Words, size: int, *, colour: bool) -> tuple[_Block, float, Flo
     return block, words.number("total integrated scatter"), words.numbers(size, "values of the table")
 
 
-def _known(words: Words, key: str, known: dict[str, T]) -> T:
+def _known(words: Words, key: str, known: Mapping[str, T]) -> T:
     line = words.line
     value = words.take(f"the value of {key}")
     if value.lower() not in known:

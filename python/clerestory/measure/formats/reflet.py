@@ -143,7 +143,7 @@ def _azimuths(keys: Mapping[str, str], columns: int, line: int) -> Floats:
             f"line {line}: {columns} values in a row where azimuths {first:g} to {last:g}° by {step:g}° are declared"
             " (is the file whole?)"
         )
-    return first + step * np.arange(columns)
+    return first + step * np.arange(columns, dtype=np.float64)
 
 
 def points_of_table(

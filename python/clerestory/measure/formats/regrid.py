@@ -102,7 +102,7 @@ def _linear(places: Floats, values: Floats, asked: Floats) -> Floats:
         triangles = Triangulation(places[:, 0], places[:, 1])
     except (RuntimeError, ValueError):  # all points in one plane, or fewer than three: there are no triangles
         return found
-    which = triangles.get_trifinder()(asked[:, 0], asked[:, 1])
+    which = np.asarray(triangles.get_trifinder()(asked[:, 0], asked[:, 1]), dtype=np.int64)
     inside = which >= 0
     corners = triangles.triangles[which[inside]]
     first = places[corners[:, 0]]

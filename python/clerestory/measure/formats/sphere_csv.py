@@ -237,7 +237,7 @@ def write_spheres(values: Sequence[SphereValues]) -> bytes:
         There are none.
     """
     if not values:
-        raise ClerestoryError("no sphere values to write")
+        raise ClerestoryError("no sphere values to write (read some first)")
     out = io.StringIO()
     shared = dict(values[0].conditions)
     for other in values[1:]:

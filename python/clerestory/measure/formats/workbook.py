@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from clerestory._core import FileFormatError
+from clerestory.measure.formats import UnknownFormatError
 
 if TYPE_CHECKING:
     from clerestory.measure.contents import Contents
@@ -25,10 +25,10 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
 
     Raises
     ------
-    FileFormatError
+    UnknownFormatError
         Always, with what to do.
     """
-    raise FileFormatError(
+    raise UnknownFormatError(
         "a spreadsheet's workbook is not read"
         " (export text: .jdv or for LightTools from an RT-300S, CSV from any other program)"
     )

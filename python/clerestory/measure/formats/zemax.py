@@ -183,7 +183,8 @@ def _blocks(words: Words, header: _Header) -> tuple[Floats, Floats]:
         if channel in found:
             raise FileFormatError(f"line {line}: a second block of {word} (keep one)")
         _expect(words, "DataBegin")
-        tables, totals = [], []
+        tables: list[Floats] = []
+        totals: list[float] = []
         for _ in range(outer[0] * outer[1]):
             _expect(words, "TIS")
             totals.append(words.number("total integrated scatter"))
@@ -195,8 +196,8 @@ def _blocks(words: Words, header: _Header) -> tuple[Floats, Floats]:
         raise FileFormatError(f"line {words.line}: no block of {', '.join(missing)} (is the file whole?)")
     shape = (*outer, len(header.azimuths), len(header.radials))
     values = [np.array(found[channel][0]).reshape(shape) for channel in header.channels]
-    totals = [np.array(found[channel][1]).reshape(outer) for channel in header.channels]
-    return np.stack(values, axis=-1), np.stack(totals, axis=-1)
+    scattered = [np.array(found[channel][1]).reshape(outer) for channel in header.channels]
+    return np.stack(values, axis=-1), np.stack(scattered, axis=-1)
 
 
 def _expect(words: Words, keyword: str) -> None:
@@ -285,7 +286,8 @@ def _text(sample: str, side: Side, scatter: Scatter, channels: tuple[str, ...], 
     out += ["Source\tMeasured", f"Symmetry\t{symmetry}"]
     out.append(f"SpectralContent\t{'XYZ' if len(channels) == 3 else 'Monochrome'}")
     out.append(f"ScatterType\t{'BRDF' if scatter == 'reflection' else 'BTDF'}")
-    for (key, _, _), angles in zip(_ANGLES, (list(by_place), incidences, azimuths, radials), strict=True):
+    lists = (np.array(list(by_place)), np.array(incidences), azimuths, radials)
+    for (key, _, _), angles in zip(_ANGLES, lists, strict=True):
         out += [f"{key}\t{len(angles)}", "\t".join(f"{angle:.10g}" for angle in angles)]
     out.append("")
     for k, channel in enumerate(channels):
