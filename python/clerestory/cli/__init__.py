@@ -44,10 +44,14 @@ _COMMANDS = (
 _GROUPS: dict[str, tuple[str, ...]] = {
     "measure": (
         "plan",
+        "camera",
         "import",
         "list",
         "show",
         "plot",
+        "check",
+        "prepare",
+        "calibrate",
         "export",
     ),
     "system": ("build", "rate"),
