@@ -1,4 +1,4 @@
-"""Scattered points to a tensor tree: ours beside pabopto2bsdf and bsdf2ttree, with the error against the known truth."""
+"""Scattered points to a tensor tree: ours beside pabopto2bsdf and bsdf2ttree, with the error against the truth."""
 
 from __future__ import annotations
 
@@ -79,10 +79,11 @@ def report(_: Path) -> str:
     cells = [*row("points to tree", pair, unit=1.0), *(f"{100 * error:.0f} %" for error in errors)]
     return f"""### Measured points to tensor tree
 
-Aim: at least 20 times, and a lower error. {len(files)} scans of a synthetic twill (rotational symmetry; every 10° of incidence,
-15° of azimuth), from the same text files to a tree of rank 4 with 4,096 × 4,096 directions: `clerestory measure fit` beside
-`pabopto2bsdf -s up` and `bsdf2ttree -g 6`, process start included, {REPETITIONS} runs in turn. The error is the RMS
-difference to the known truth over its mean, at {CHECKED} incident directions that were not measured.
+Aim: at least 20 times, and a lower error. {len(files)} scans of a synthetic twill (rotational symmetry; every 10° of
+incidence, 15° of azimuth), from the same text files to a tree of rank 4 with 4,096 × 4,096 directions:
+`clerestory measure fit` beside `pabopto2bsdf -s up` and `bsdf2ttree -g 6`, process start included, {REPETITIONS} runs in
+turn. The error is the RMS difference to the known truth over its mean, at {CHECKED} incident directions that were not
+measured.
 
 {table(head, [cells])}
 """

@@ -1,8 +1,8 @@
 """From scans to a model between their incident directions.
 
-Each scan becomes lobes, radial basis functions on the sphere whose amplitudes are those of least squares; between incident
-directions the lobes move along plans of optimal transport (after Ward, Kurt and Bonneel 2014, "Reducing anisotropic BSDF
-measurement to common practice").
+Each scan becomes lobes, radial basis functions on the sphere whose amplitudes are those of least squares; between
+incident directions the lobes move along plans of optimal transport (after Ward, Kurt and Bonneel 2014, "Reducing
+anisotropic BSDF measurement to common practice").
 """
 
 from __future__ import annotations
@@ -102,7 +102,7 @@ def fit(
                 here = [s for s in scans if (s.incident_side, s.scatter) == (side, scatter) and band in s.channels]
                 if not here:
                     continue
-                model, component = _component(here, band, method, symmetry, hold_out, progress, warnings)
+                model, component = _component(here, band, method, symmetry, warnings, progress, hold_out=hold_out)
                 bands.setdefault(band, {})[side, scatter] = model
                 components.append(component)
     return Fit(Bsdf.from_models(bands), measurement.sample, method, tuple(components), tuple(dict.fromkeys(warnings)))
@@ -113,9 +113,10 @@ def _component(
     band: str,
     method: Method,
     wanted: Symmetry | Literal["auto"],
-    hold_out: bool,
-    progress: Callable[[float], object] | None,
     warnings: list[str],
+    progress: Callable[[float], object] | None,
+    *,
+    hold_out: bool,
 ) -> tuple[Model, Component]:
     side, scatter = scans[0].incident_side, scans[0].scatter
     symmetry, reason = _symmetry(scans, band, wanted, warnings)
