@@ -42,10 +42,6 @@ _COMMANDS = (
 # Commands of a group, whose sentence is the docstring of its package. The file of a command that is named by a word of
 # Python's ends with an underscore.
 _GROUPS: dict[str, tuple[str, ...]] = {
-<<<<<<< HEAD
-    "measure": ("import", "list", "show", "fit", "export"),
-    "system": (),
-=======
     "measure": (
         "plan",
         "camera",
@@ -55,11 +51,11 @@ _GROUPS: dict[str, tuple[str, ...]] = {
         "plot",
         "check",
         "prepare",
+        "fit",
         "calibrate",
         "export",
     ),
     "system": ("build", "rate"),
->>>>>>> main
 }
 
 app = typer.Typer(
