@@ -81,9 +81,9 @@ def report(_: Path) -> str:
 
 Aim: at least 20 times, and a lower error. {len(files)} scans of a synthetic twill (rotational symmetry; every 10° of
 incidence, 15° of azimuth), from the same text files to a tree of rank 4 with 4,096 × 4,096 directions:
-`clerestory measure fit` beside `pabopto2bsdf -s up` and `bsdf2ttree -g 6`, process start included, {REPETITIONS} runs
-in turn. The error is the RMS difference to the known truth over its mean, at {CHECKED} incident directions that were not
-measured.
+`clerestory measure fit` beside `pabopto2bsdf -s up` and `bsdf2ttree -g 6`, process start included,
+{REPETITIONS} runs in turn. The error is the RMS difference to the known truth over its mean, at {CHECKED} incident
+directions that were not measured.
 
 {table(head, [cells])}
 """
