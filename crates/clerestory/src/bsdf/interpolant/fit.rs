@@ -205,7 +205,7 @@ fn divide(points: &[Point]) -> Vec<Cell> {
         let split = if enough {
             chi2 > UNEVEN
         } else {
-            steep && cell.points.len() > 1
+            steep && cell.points.len() > 2
         };
         if level >= LAST || !split {
             done.push(cell);
@@ -242,7 +242,7 @@ fn divide(points: &[Point]) -> Vec<Cell> {
 /// Points that a cell needs to be tested.
 const LEAST: usize = 4;
 /// Limits of the unevenness of a cell that is divided, and of one that is divided to single points.
-const UNEVEN: f64 = 1.5;
+const UNEVEN: f64 = 2.5;
 const STEEP: f64 = 12.0;
 
 /// How far the points of a cell lie from a plane: mean square over noise and tolerance.

@@ -98,6 +98,8 @@ impl std::fmt::Debug for Interpolant {
     }
 }
 
+/// Share of all lobes' light below which one is left out between measured directions.
+const SLIGHT: f64 = 1e-5;
 /// Two directions of incidence that are nearer on the disk are the same one.
 const SAME: f64 = 0.004;
 
@@ -244,6 +246,9 @@ impl Interpolant {
                 .sum()
         };
         let mut lobes = self.lobes(&place);
+        // What is next to nothing is left out; the others are scaled to the total.
+        let least = SLIGHT * lobes.iter().map(|l| l.flux).sum::<f64>();
+        lobes.retain(|l| l.flux > least);
         let mut floor = mean(&|d| d.floor);
         let mut beam = mean(&|d| d.beam);
         let known: f64 = lobes.iter().map(|l| l.flux).sum::<f64>() + std::f64::consts::PI * floor;

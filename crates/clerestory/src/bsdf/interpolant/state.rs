@@ -1,6 +1,6 @@
 //! The distribution of one incident direction, ready to be asked.
 
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 use std::f64::consts::PI;
 
 use super::distribution::{cell_middle, chord2, to_square};
@@ -14,6 +14,8 @@ const CELLS: usize = 24;
 const CELL_RADIUS: f64 = 0.13;
 /// So many lobes are all looked at without an index.
 const FEW: usize = 48;
+/// So often a distribution is asked before an index is worth its making.
+const OFTEN: u32 = 24;
 
 /// Lobes of one incident direction.
 pub struct State {
@@ -26,6 +28,7 @@ pub struct State {
     /// The beam.
     pub peak: Option<Peak>,
     index: OnceCell<Vec<Vec<u32>>>,
+    asked: Cell<u32>,
 }
 
 #[derive(Clone, Copy)]
@@ -66,6 +69,7 @@ impl State {
             scattered: sum + PI * floor,
             peak,
             index: OnceCell::new(),
+            asked: Cell::new(0),
         }
     }
 
@@ -105,7 +109,8 @@ impl State {
             let below = kernel((2.0 - 2.0 * (level - height)) * lobe.inverse);
             factor(lobe) * (above + below)
         };
-        if self.lobes.len() <= FEW {
+        self.asked.set(self.asked.get().saturating_add(1));
+        if self.lobes.len() <= FEW || self.asked.get() < OFTEN {
             return self.lobes.iter().map(one).sum();
         }
         let [x, y] = to_square(outgoing).map(|c| (c * CELLS as f64) as usize);
