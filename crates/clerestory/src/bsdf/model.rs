@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::convert;
 use super::{
     Beam, Estimate, Filtered, Interpolant, Lambertian, Matrix, Part, Peak, Region, Reversed, Sample, Scatterer,
     Separated, Specular, Sum, Tree, Turn, Turned,
@@ -199,7 +200,7 @@ impl Model {
             Self::Turned(t) => Self::Turned(Turned::new(Arc::new(t.base().reciprocal()), t.turn())),
             Self::Reversed(r) => (**r.base()).clone(),
             Self::Separated(s) => Self::Separated(s.reciprocal()),
-            Self::Interpolant(_) => view(),
+            Self::Interpolant(i) => convert::as_tree(i).reciprocal(),
             Self::Filtered(f) => Self::Filtered(f.reciprocal()),
         }
     }

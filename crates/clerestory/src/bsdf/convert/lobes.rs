@@ -7,10 +7,27 @@ use rayon::prelude::*;
 
 use crate::bsdf::interpolant::{Interpolant, Raster};
 use crate::bsdf::tree::Grid;
-use crate::bsdf::{Rank, Tree};
+use crate::bsdf::{Model, Rank, Tree};
 use crate::direction::Disk;
 use crate::error::Result;
 use crate::progress::Progress;
+
+/// The tree that stands for an interpolant where its paths are travelled backwards: 64 cells an axis for an isotropic one, 32 for
+/// all others.
+pub fn as_tree(model: &Interpolant) -> Model {
+    let (rank, levels) = if model.isotropic() {
+        (Rank::Isotropic, 6)
+    } else {
+        (Rank::Anisotropic, 5)
+    };
+    let grid = Grid {
+        levels,
+        samples: 1,
+        seed: 0,
+    };
+    let tree = to_tree(model, rank, grid, &Progress::default());
+    Model::Tree(tree.expect("an interpolant's values are finite and not negative"))
+}
 
 /// Means over the cells of a tree of rank 4, or of rank 3 for an isotropic interpolant.
 pub fn to_tree(model: &Interpolant, rank: Rank, grid: Grid, progress: &Progress) -> Result<Tree> {

@@ -205,7 +205,7 @@ fn divide(points: &[Point]) -> Vec<Cell> {
         let split = if enough {
             chi2 > UNEVEN
         } else {
-            steep && cell.points.len() > 2
+            steep && cell.points.len() > 1
         };
         if level >= LAST || !split {
             done.push(cell);
@@ -286,11 +286,31 @@ fn unevenness(points: &[Point], cell: &Cell) -> f64 {
     chi2 / freedom
 }
 
+/// Means over cells of 9°, without those below 0.
+fn coarse_means(points: &[Point]) -> Vec<f64> {
+    let mut sums = vec![[0.0; 2]; CELLS * CELLS];
+    for point in points {
+        let [x, y] = point.square.map(|c| (c * CELLS as f64) as usize);
+        let sum = &mut sums[y * CELLS + x];
+        sum[0] += point.value.max(0.0);
+        sum[1] += 1.0;
+    }
+    sums.into_iter()
+        .map(|[sum, count]| if count > 0.0 { sum / count } else { 0.0 })
+        .collect()
+}
+
 /// Amplitudes of 0 or more by least squares, coordinate after coordinate; where points say little they stay near the mean of
 /// their cell.
 fn amplitudes(points: &[Point], cells: &[Cell], floor: f64) -> Vec<Lobe> {
     const RIDGE: f64 = 0.003;
     const LEAST_SHARE: f64 = 1e-7;
+    const BESIDE: f64 = 0.5;
+    let coarse = coarse_means(points);
+    let brightness = |square: [f64; 2]| {
+        let [x, y] = square.map(|c| (c * CELLS as f64) as usize);
+        coarse[y * CELLS + x]
+    };
     let mut weights = vec![0.0; points.len()];
     let mut start = vec![0.0; cells.len()];
     for (cell, start) in cells.iter().zip(&mut start) {
@@ -300,8 +320,9 @@ fn amplitudes(points: &[Point], cells: &[Cell], floor: f64) -> Vec<Lobe> {
         *start = mean.max(0.0) / (0.25 * std::f64::consts::PI * OVERLAP * OVERLAP);
         for &k in &cell.points {
             let error = points[k as usize].error;
-            weights[k as usize] =
-                1.0 / (error * error + (TOLERANCE * (mean.abs() + floor)).powi(2) + f64::MIN_POSITIVE);
+            // What lies beside something bright is not known better than that is resolved.
+            let level = floor + mean.abs().max(BESIDE * brightness(points[k as usize].square));
+            weights[k as usize] = 1.0 / (error * error + (TOLERANCE * level).powi(2) + f64::MIN_POSITIVE);
         }
     }
     let places: Vec<(Disk, f64)> = cells
