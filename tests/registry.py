@@ -38,6 +38,8 @@ class Case:
     conserving: bool = True
     #: How far beams may be from those of the reversed paths. An isotropic tree's cell is not as large backwards.
     beams: float = 1e-9
+    #: Relative error of a quadrature with one point a cell, where there is no exact partition.
+    rough: float = 6e-3
 
     @property
     def bsdf(self) -> Bsdf:
@@ -73,7 +75,7 @@ class Case:
     @property
     def tolerance(self) -> float:
         """Relative error of a quadrature with one point a cell."""
-        return 6e-3 if self.cells is None else 1e-9
+        return self.rough if self.cells is None else 1e-9
 
 
 def incident_directions(side: Side) -> np.ndarray:
@@ -362,20 +364,21 @@ def _cases() -> list[Case]:
                 [Layer("pane", pane=glass("clear", 0.006)), Layer("shade", bsdf=_diffuser(small))]
             ).sharpened(basis=small),
         ),
-        Case("isotropic interpolant", lambda: transmission(interpolant("isotropic", "transport"))),
-        Case("anisotropic interpolant", lambda: transmission(interpolant("none", "transport"))),
-        Case("linear interpolant", lambda: transmission(interpolant("none", "linear"))),
+        # At the horizon the density of a lobe does not fall with the cosine, and the points of cells are coarse.
+        *(
+            Case(f"interpolant, {method}", lambda method=method: transmission(interpolant(method)), rough=0.015)
+            for method in ("transport", "linear", "nearest")
+        ),
     ]
 
 
-def interpolant(symmetry: str, method: str) -> Model:
-    """A model of a few coarse scans of a peak over a diffuse floor."""
+def interpolant(method: str) -> Model:
+    """A model of a few coarse scans of a peak over a diffuse floor, isotropic as it is quick to ask."""
     from clerestory.measure.interpolant import fit
     from synthetic_lab import diffuse_and_peak, series
 
-    phis = (0.0,) if symmetry == "isotropic" else (0.0, 72.0, 144.0, 216.0, 288.0)
-    scans = series(diffuse_and_peak, (0.0, 30.0, 60.0, 75.0), phis)
-    made = fit(scans, method=method, symmetry=symmetry, hold_out=False)  # type: ignore[arg-type]
+    scans = series(diffuse_and_peak, (0.0, 30.0, 60.0, 75.0), (0.0,))
+    made = fit(scans, method=method, symmetry="isotropic", hold_out=False)  # type: ignore[arg-type]
     return made.bsdf.models["visible"]["exterior", "transmission"]
 
 

@@ -286,6 +286,26 @@ fn unevenness(points: &[Point], cell: &Cell) -> f64 {
     chi2 / freedom
 }
 
+/// Value in the middle of a cell without points, by the nearest ones.
+fn near(points: &[Point], cell: &Cell) -> f64 {
+    let middle = vector(from_square(cell.corner.map(|c| c + 0.5 * cell.width)));
+    let mut nearest = [(f64::INFINITY, 0.0); NEIGHBOURS];
+    for point in points {
+        let distance2 = chord2(middle, point.at);
+        if distance2 < nearest[NEIGHBOURS - 1].0 {
+            let place = nearest.partition_point(|n| n.0 < distance2);
+            nearest[place..].rotate_right(1);
+            nearest[place] = (distance2, point.value);
+        }
+    }
+    let known = nearest.iter().filter(|n| n.0.is_finite());
+    let (sum, weight) = known.fold((0.0, 0.0), |(sum, weight), &(distance2, value)| {
+        let w = 1.0 / (distance2 + 1e-9);
+        (sum + w * value, weight + w)
+    });
+    sum / weight
+}
+
 /// Means over cells of 9°, without those below 0.
 fn coarse_means(points: &[Point]) -> Vec<f64> {
     let mut sums = vec![[0.0; 2]; CELLS * CELLS];
@@ -314,8 +334,11 @@ fn amplitudes(points: &[Point], cells: &[Cell], floor: f64) -> Vec<Lobe> {
     let mut weights = vec![0.0; points.len()];
     let mut start = vec![0.0; cells.len()];
     for (cell, start) in cells.iter().zip(&mut start) {
-        let sum: f64 = cell.points.iter().map(|&k| points[k as usize].value).sum();
-        let mean = sum / cell.points.len().max(1) as f64;
+        let mean = if cell.points.is_empty() {
+            near(points, cell)
+        } else {
+            cell.points.iter().map(|&k| points[k as usize].value).sum::<f64>() / cell.points.len() as f64
+        };
         // So many lobes lie over each other.
         *start = mean.max(0.0) / (0.25 * std::f64::consts::PI * OVERLAP * OVERLAP);
         for &k in &cell.points {
