@@ -20,7 +20,7 @@ from clerestory.measure.formats.choices import lit_side, one_of, sample_of, scat
 from clerestory.measure.formats.frame import Frame, halves, signed
 from clerestory.measure.formats.header import HEAD, condition_key, lines_of, one_line, text_of, writable
 from clerestory.measure.formats.names import plain, untaken
-from clerestory.measure.formats.rows import grouped
+from clerestory.measure.formats.rows import grouped, repeated
 from clerestory.measure.scan import CONDITIONS, PURPOSES, Measurement, Scan
 from clerestory.measure.source import Source, digest
 
@@ -159,9 +159,9 @@ def _is_number(word: str | None) -> bool:
 def write(measurement: Measurement, **choices: object) -> dict[str, bytes]:
     """A file for all scans of a side, a scatter and the same conditions; angles in radians, up is azimuth 90°."""
     groups: dict[tuple[object, ...], list[Scan]] = {}
-    for scan in measurement.scans:
+    for before, scan in repeated(measurement.scans):
         writable(scan, NAME)
-        key = (scan.incident_side, scan.scatter, scan.quantity, scan.channels, scan.purpose, *scan.conditions.items())
+        key = (before, scan.incident_side, scan.scatter, scan.quantity, scan.channels, scan.purpose, *scan.conditions.items())
         groups.setdefault(key, []).append(scan)
     files: dict[str, bytes] = {}
     for scans in groups.values():
