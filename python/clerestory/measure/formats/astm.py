@@ -61,7 +61,8 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
     names = [word.strip() for word in text_of(found[1]).split(",")]
     if tuple(word.lower() for word in names[:4]) != _ANGLES:
         raise FileFormatError(
-            f"line {len(header)}: VARS {','.join(names)[:60]} does not begin with {','.join(_ANGLES)} (reorder the columns)"
+            f"line {len(header)}: VARS {','.join(names)[:60]} does not begin with {','.join(_ANGLES)} "
+            "(reorder the columns)"
         )
     columns, starts, line = _table(data, found.end(), len(header), names)
     rows = len(columns[2])
@@ -161,7 +162,8 @@ def write(measurement: Measurement, **choices: object) -> dict[str, bytes]:
     groups: dict[tuple[object, ...], list[Scan]] = {}
     for before, scan in repeated(measurement.scans):
         writable(scan, NAME)
-        key = (before, scan.incident_side, scan.scatter, scan.quantity, scan.channels, scan.purpose, *scan.conditions.items())
+        held = (scan.incident_side, scan.scatter, scan.quantity, scan.channels, scan.purpose)
+        key = (before, *held, *scan.conditions.items())
         groups.setdefault(key, []).append(scan)
     files: dict[str, bytes] = {}
     for scans in groups.values():
