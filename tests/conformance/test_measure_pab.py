@@ -38,7 +38,7 @@ def test_lobes_are_those_of_the_points(skew):
     assert len(interpolant.incident) == len(DIRECTIONS)
     for scan in scans:
         lobes = interpolant.dsf(scan.incident, scan.outgoing)
-        assert np.corrcoef(lobes, scan.values[:, 0])[0, 1] > 0.98
+        assert np.corrcoef(lobes, scan.values[:, 0])[0, 1] > 0.95
 
 
 def test_the_file_of_lobes_is_a_file_of_scans(skew):

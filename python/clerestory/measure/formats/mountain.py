@@ -113,7 +113,7 @@ class _Header:
         elif key == "purpose":
             if value not in PURPOSES:
                 raise FileFormatError(f'line {line}: purpose "{value}" is not known ({", ".join(PURPOSES)})')
-            self.purpose = cast("Purpose", value)
+            self.purpose = value
         elif key == "datapoints_in_file":
             self.stated.append(int(min(max(number_of(value, "#datapoints_in_file", line), 0.0), 1e15)))
 

@@ -171,7 +171,7 @@ class _Table:
         return np.asarray(column[:, 0] if unit == 1.0 else column[:, 0] * unit)
 
     def _incident(self, group: dict[str, float]) -> tuple[float, float]:
-        found = []
+        found: list[float] = []
         for role, key in (("theta_i", "incident_theta_deg"), ("phi_i", "incident_phi_deg")):
             value = group[role] * self._unit(role) if role in group else angle_of(self.choices, key, None)
             stated = self.head.stated.get(role, self.head.stated.get(key))
