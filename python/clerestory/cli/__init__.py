@@ -42,8 +42,15 @@ _COMMANDS = (
 # Commands of a group, whose sentence is the docstring of its package. The file of a command that is named by a word of
 # Python's ends with an underscore.
 _GROUPS: dict[str, tuple[str, ...]] = {
-    "measure": ("import", "list", "show", "export"),
-    "system": (),
+    "measure": (
+        "plan",
+        "import",
+        "list",
+        "show",
+        "plot",
+        "export",
+    ),
+    "system": ("build",),
 }
 
 app = typer.Typer(

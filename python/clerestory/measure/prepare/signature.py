@@ -120,6 +120,13 @@ def in_time(scans: Sequence[Scan]) -> list[Scan]:
     return [scan for _, _, scan in sorted(zip(times, range(len(scans)), scans, strict=True))]
 
 
+def on_one_line(places: Floats) -> bool:
+    """Whether points of a plane (n, 2) lie on one line, to a thousandth of its length."""
+    x, y = (places - places.mean(axis=0)).T
+    a, b, c = float(x @ x), float(y @ y), float(x @ y)
+    return a * b - c * c <= 1e-6 * (0.5 * (a + b)) ** 2
+
+
 def _apart(a: Signature, b: Signature) -> float:
     def unit(s: Signature) -> Floats:
         theta, phi = np.radians([s.theta_deg, s.phi_deg])
@@ -175,8 +182,7 @@ def _integral(outgoing: Floats, axis: Floats, values: Floats) -> float:
     across /= np.linalg.norm(across)
     plane = np.stack([outgoing @ across, outgoing @ np.cross(axis, across)], axis=1)
     plane *= np.sqrt(2.0 / np.maximum(1.0 + outgoing @ axis, 1e-9))[:, None]
-    spread = np.linalg.svd(plane - plane.mean(axis=0), compute_uv=False)
-    if spread[1] < 1e-3 * spread[0]:
+    if on_one_line(plane):
         along = np.linalg.norm(plane, axis=1)
         order = np.argsort(along)
         r = np.concatenate([[0.0], along[order]])
