@@ -156,7 +156,7 @@ def specular_grid(scans: Sequence[Scan]) -> tuple[Floats, Floats, bool]:
         to_specular(s.outgoing, s.incident_theta_deg, s.incident_phi_deg, s.incident_side, s.scatter) for s in scans
     ]
     azimuths, radials = _own([(azimuth, radial) for radial, azimuth in about], scans)
-    half = all(bool(_in_half(azimuth[radial > _PLANE_DEG]).all()) for radial, azimuth in about)
+    half = all(is_half(scan) for scan in scans)
     if azimuths is not None and radials is not None:
         return _closed(azimuths, half=half), radials, half
     furthest = max(scan.incident_theta_deg for scan in scans) + 90.0
@@ -168,9 +168,24 @@ def specular_grid(scans: Sequence[Scan]) -> tuple[Floats, Floats, bool]:
     )
 
 
+def is_half(scan: Scan) -> bool:
+    """Whether a scan holds the side of a plane of symmetry that azimuths of 0 to 180° about the specular beam are on."""
+    if not _is_symmetric(scan):
+        return False
+    radial, azimuth = to_specular(
+        scan.outgoing, scan.incident_theta_deg, scan.incident_phi_deg, scan.incident_side, scan.scatter
+    )
+    beside = azimuth[(radial > _PLANE_DEG) & (radial < 180.0 - _PLANE_DEG)]
+    return bool(((beside <= 180.0 + _PLANE_DEG) | (beside >= 360.0 - _PLANE_DEG)).all())
+
+
+def _is_symmetric(scan: Scan) -> bool:
+    return scan.conditions.get("symmetry", "").startswith("PlaneSymmetrical")
+
+
 def whole(scan: Scan) -> Scan:
     """A scan of one side of a plane of symmetry mirrored at it; any other as it is."""
-    if not scan.conditions.get("symmetry", "").startswith("PlaneSymmetrical"):
+    if not _is_symmetric(scan):
         return scan
     mirrored = 2.0 * scan.incident_phi_deg - scan.phi_deg
     inside = np.abs(np.sin(np.radians(scan.phi_deg - scan.incident_phi_deg))) < _SAME
@@ -213,10 +228,6 @@ def _closed(azimuths: Floats, *, half: bool) -> Floats:
     if half or not azimuths.size:
         return azimuths
     return np.append(azimuths, azimuths[0] + 360.0)
-
-
-def _in_half(azimuth_deg: Floats) -> NDArray[np.bool_]:
-    return (azimuth_deg <= 180.0 + _PLANE_DEG) | (azimuth_deg >= 360.0 - _PLANE_DEG)
 
 
 def left_out(measurement: Measurement, format_name: str) -> list[str]:
