@@ -34,7 +34,13 @@ def sir(lobes=((2.0, 300, 8, 8),), *, header="GRIDRES=16\nBSDFMIN=0.01\n"):
     return data + struct.pack(">i", -1) + b"\xff" * 8
 
 
-FILES = {"pab.txt": PAB.encode(), "iea.txt": IEA.encode(), "a.astm": ASTM.encode(), "t.csv": CSV.encode(), "s.sir": sir()}
+FILES = {
+    "pab.txt": PAB.encode(),
+    "iea.txt": IEA.encode(),
+    "a.astm": ASTM.encode(),
+    "t.csv": CSV.encode(),
+    "s.sir": sir(),
+}
 
 
 @pytest.fixture
@@ -62,9 +68,9 @@ def fails(tmp_path):
         (HEAD, "line 4: no points follow"),
         (HEAD + "10 20\n", "line 4: .* 3 columns"),
         (HEAD + "10 20 1\n20 30 4 5\n", "line 5: .* 3 columns"),
-        (HEAD + "10 20 nan\n", "line 4: \"nan\" is not a finite number"),
-        (HEAD + "10 20 1\n10 20 inf\n", "line 5: \"inf\""),
-        (HEAD + "10 20 1e999\n", "line 4: \"1e999\""),
+        (HEAD + "10 20 nan\n", 'line 4: "nan" is not a finite number'),
+        (HEAD + "10 20 1\n10 20 inf\n", 'line 5: "inf"'),
+        (HEAD + "10 20 1e999\n", 'line 4: "1e999"'),
         (HEAD + "10,0 20,0 0,5\n", "line 4: a comma stands inside of a number .*decimal point"),
         (HEAD + "10;20;0,5\n", "line 4: a comma"),
         (HEAD + "10 20 \x00\n", "line 4: "),
@@ -146,7 +152,9 @@ def test_interpolant(fails):
     whole = sir()
     assert "before its last direction" in fails(whole[:-70])
     assert "before the end of its plans" in fails(whole[:-4])
-    assert "lobes do not fit" in fails(whole.replace(struct.pack(">i", 1) + float5(2.0), struct.pack(">i", -5) + float5(2.0)))
+    assert "lobes do not fit" in fails(
+        whole.replace(struct.pack(">i", 1) + float5(2.0), struct.pack(">i", -5) + float5(2.0))
+    )
     assert "lies nowhere" in fails(sir(((1.0, 30, 16, 0),)))
     assert "IO_SIDES" in fails(whole.replace(b"IO_SIDES= 1 -1", b"IO_SIDES= 1 2"))
     assert "GRIDRES=" in fails(sir(header=""))
@@ -194,7 +202,9 @@ def test_mutated_files_are_read_or_refused(name, tmp_path):
             elif kind == 2:
                 data[at:at] = data[at : at + length]
             elif kind == 3:
-                data[at:at] = rng.choice([b"-", b",", b"nan", b"1e400", b"\r", b"#", b"\0", b"\xff", b'"', b"999999999999"])
+                data[at:at] = rng.choice(
+                    [b"-", b",", b"nan", b"1e400", b"\r", b"#", b"\0", b"\xff", b'"', b"999999999999"]
+                )
             else:
                 del data[at:]
         try:
