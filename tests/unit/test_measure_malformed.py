@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from clerestory import ClerestoryError, FileFormatError, measure
+from clerestory.measure.files import read_bytes
 from clerestory.measure.formats.sir import interpolant_of
 
 HEAD = "#format: theta phi BSDF\n#intheta 30\n#inphi 40\n"
@@ -22,7 +23,7 @@ def float5(value):
     return struct.pack(">ib", int(mantissa * 0x7FFFFFFF), int(exponent))
 
 
-def sir(lobes=((2.0, 300, 128, 128),), *, header="GRIDRES=256\nBSDFMIN=0.01\n"):
+def sir(lobes=((2.0, 300, 8, 8),), *, header="GRIDRES=16\nBSDFMIN=0.01\n"):
     """An interpolant of two directions without plans."""
     text = f"#?RADIANCE\nNAME=plate\nSYMMETRY=0\nIO_SIDES= 1 -1\nCOLORIMETRY=CIE-Y\n{header}FORMAT=BSDF_RBFmesh\n\n"
     data = text.encode() + b"\x5a\x3c"
@@ -33,7 +34,13 @@ def sir(lobes=((2.0, 300, 128, 128),), *, header="GRIDRES=256\nBSDFMIN=0.01\n"):
     return data + struct.pack(">i", -1) + b"\xff" * 8
 
 
-FILES = {"pab.txt": PAB.encode(), "iea.txt": IEA.encode(), "a.astm": ASTM.encode(), "t.csv": CSV.encode(), "s.sir": sir()}
+FILES = {
+    "pab.txt": PAB.encode(),
+    "iea.txt": IEA.encode(),
+    "a.astm": ASTM.encode(),
+    "t.csv": CSV.encode(),
+    "s.sir": sir(),
+}
 
 
 @pytest.fixture
@@ -61,9 +68,9 @@ def fails(tmp_path):
         (HEAD, "line 4: no points follow"),
         (HEAD + "10 20\n", "line 4: .* 3 columns"),
         (HEAD + "10 20 1\n20 30 4 5\n", "line 5: .* 3 columns"),
-        (HEAD + "10 20 nan\n", "line 4: \"nan\" is not a finite number"),
-        (HEAD + "10 20 1\n10 20 inf\n", "line 5: \"inf\""),
-        (HEAD + "10 20 1e999\n", "line 4: \"1e999\""),
+        (HEAD + "10 20 nan\n", 'line 4: "nan" is not a finite number'),
+        (HEAD + "10 20 1\n10 20 inf\n", 'line 5: "inf"'),
+        (HEAD + "10 20 1e999\n", 'line 4: "1e999"'),
         (HEAD + "10,0 20,0 0,5\n", "line 4: a comma stands inside of a number .*decimal point"),
         (HEAD + "10;20;0,5\n", "line 4: a comma"),
         (HEAD + "10 20 \x00\n", "line 4: "),
@@ -133,8 +140,8 @@ def test_astm(fails, text, expected):
         (CSV.replace(",t,", ",x,"), {}, "transmitted or reflected"),
         (CSV.replace("10,0,0.5", '"10,0,0.5'), {}, "line 2: "),
         (CSV, {"columns": {"thetao": "theta_o"}}, "'thetao' is not known"),
-        (CSV, {"columns": "theta_o"}, "columns is a table"),
-        (CSV.replace("30,0,10", "300,0,10"), {}, "beyond|not an angle"),
+        (CSV, {"columns": "theta_o"}, "columns is not a table"),
+        (CSV.replace("30,0,10", "300,0,10"), {}, "angle to the normal is 300°"),
     ],
 )
 def test_csv(fails, text, choices, expected):
@@ -143,10 +150,12 @@ def test_csv(fails, text, choices, expected):
 
 def test_interpolant(fails):
     whole = sir()
-    assert "before its last direction" in fails(whole[:-60])
+    assert "before its last direction" in fails(whole[:-70])
     assert "before the end of its plans" in fails(whole[:-4])
-    assert "lobes do not fit" in fails(whole.replace(struct.pack(">i", 1) + float5(2.0), struct.pack(">i", -5) + float5(2.0)))
-    assert "lies nowhere" in fails(sir(((1.0, 30, 256, 0),)))
+    assert "lobes do not fit" in fails(
+        whole.replace(struct.pack(">i", 1) + float5(2.0), struct.pack(">i", -5) + float5(2.0))
+    )
+    assert "lies nowhere" in fails(sir(((1.0, 30, 16, 0),)))
     assert "IO_SIDES" in fails(whole.replace(b"IO_SIDES= 1 -1", b"IO_SIDES= 1 2"))
     assert "GRIDRES=" in fails(sir(header=""))
     assert "GRIDRES=-4" in fails(sir(header="GRIDRES=-4\n"))
@@ -157,7 +166,7 @@ def test_packed(fails, tmp_path):
     assert "nothing but zeros" in fails(gzip.compress(bytes(80 << 20), 9))
     assert "unpack to more than" in fails(gzip.compress(PAB.encode() + b" " * (90 << 20), 9))
     assert "end too early" in fails(gzip.compress(PAB.encode())[:-12])
-    assert "UTF" in fails(b"\xff\xfe" + PAB.encode("utf-16-le") + b"\x00\xd8\x41") or True
+    assert "is not text of utf-16-le" in fails(b"\xff\xfe" + PAB.encode("utf-16-le") + b"\x00\xd8\x41")
 
 
 def test_wrong_paths_and_choices(tmp_path):
@@ -179,7 +188,7 @@ def test_mutated_files_are_read_or_refused(name, tmp_path):
     """Bytes changed, taken out, doubled and exchanged: never another error than ours, nor a point out of range."""
     rng = np.random.default_rng(5)
     original, path = FILES[name], tmp_path / name
-    assert measure.read_bytes(original, name).measurements
+    assert read_bytes(original, name).measurements
     refused = 0
     for _ in range(1500):
         data = bytearray(original)
@@ -193,11 +202,13 @@ def test_mutated_files_are_read_or_refused(name, tmp_path):
             elif kind == 2:
                 data[at:at] = data[at : at + length]
             elif kind == 3:
-                data[at:at] = rng.choice([b"-", b",", b"nan", b"1e400", b"\r", b"#", b"\0", b"\xff", b'"', b"999999999999"])
+                data[at:at] = rng.choice(
+                    [b"-", b",", b"nan", b"1e400", b"\r", b"#", b"\0", b"\xff", b'"', b"999999999999"]
+                )
             else:
                 del data[at:]
         try:
-            contents = measure.read_bytes(bytes(data), name)
+            contents = read_bytes(bytes(data), name)
         except ClerestoryError as error:
             refused += 1
             assert str(error).startswith(f"{name}: ") and "\n" not in str(error)
@@ -211,7 +222,7 @@ def test_mutated_files_are_read_or_refused(name, tmp_path):
 
 def test_an_interpolant_holds_what_stands_in_it():
     interpolant = interpolant_of(sir(), front="interior")
-    assert (interpolant.side, interpolant.scatter, interpolant.grid) == ("interior", "transmission", 256)
+    assert (interpolant.side, interpolant.scatter, interpolant.grid) == ("interior", "transmission", 16)
     np.testing.assert_allclose(interpolant.incident, [[0, 0, 1], [-0.6, 0, 0.8]], atol=1e-8)
     (lobes, _) = interpolant.lobes
     np.testing.assert_allclose(lobes.peaks, [2.0], rtol=1e-8)

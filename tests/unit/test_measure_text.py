@@ -91,7 +91,9 @@ def test_colour_and_header_lines_are_kept(tmp_path):
 
 def test_angles_are_wrapped(tmp_path):
     """Negative polar angles lie at the opposite azimuth, as an in-plane scan writes them."""
-    scan = only(read_text(tmp_path, "#format: theta phi BSDF\n#intheta -20\n#inphi 90\n#upphi 90\n-30 90 1\n30 450 2\n"))
+    scan = only(
+        read_text(tmp_path, "#format: theta phi BSDF\n#intheta -20\n#inphi 90\n#upphi 90\n-30 90 1\n30 450 2\n")
+    )
     np.testing.assert_allclose(scan.incident, [0.0, -np.sin(np.radians(20)), -np.cos(np.radians(20))], atol=1e-12)
     np.testing.assert_allclose(scan.theta_deg, [30.0, 30.0])
     np.testing.assert_allclose(scan.phi_deg, [270.0, 90.0])
@@ -139,7 +141,9 @@ def test_grids_come_to_the_stated_transmittance(tmp_path, step):
     assert scan.conditions["hemispherical"] == "0.5" and scan.conditions["symmetry"].startswith("isym 4")
     wrong = read_text(tmp_path, iea_text(head="# hemispherical transmittance: 43 %\n", body=body))
     assert re.search("come to a hemispherical value of 0.(49|5).*, and the file states 0.43", wrong.warnings[0])
-    few = read_text(tmp_path, iea_text(head="# hemispherical transmittance: 0.5\n", body="0 180 1\n0 175 1\n90 175 1\n"))
+    few = read_text(
+        tmp_path, iea_text(head="# hemispherical transmittance: 0.5\n", body="0 180 1\n0 175 1\n90 175 1\n")
+    )
     assert "do not span enough" in few.warnings[0]
 
 
@@ -246,7 +250,11 @@ def test_what_the_virtual_goniophotometer_writes(tmp_path):
     basis = Basis.named("klems-quarter")
     count = len(basis)
     incident = np.array([0.0, 0.5, -np.sqrt(0.75)])
-    seen = [Seen("visible", incident, "transmission", np.arange(count) / 50.0, np.full(count, 0.01), (0.1, 0.0), (0.4, 0.01))]
+    seen = [
+        Seen(
+            "visible", incident, "transmission", np.arange(count) / 50.0, np.full(count, 0.01), (0.1, 0.0), (0.4, 0.01)
+        )
+    ]
     scan = only(read_text(tmp_path, scan_table(seen, basis)))
     np.testing.assert_allclose(scan.incident, incident, atol=1e-6)
     np.testing.assert_allclose(scan.outgoing, basis.outgoing_centres("interior"), atol=1e-5)
@@ -254,7 +262,7 @@ def test_what_the_virtual_goniophotometer_writes(tmp_path):
 
 
 def test_names_that_a_person_gives(tmp_path):
-    text = "Winkel;Azimut [rad];Wert;Notiz\n10;1.5;0.5;\"a;b\"\n20;1.5;0.25;\n"
+    text = 'Winkel;Azimut [rad];Wert;Notiz\n10;1.5;0.5;"a;b"\n20;1.5;0.25;\n'
     given = {"theta_o": "Winkel", "phi_o": "Azimut [rad]", "value": "Wert"}
     light = {"side": "interior", "scatter": "reflection", "incident_theta_deg": 8.0, "incident_phi_deg": 0.0}
     contents = read_text(tmp_path, text, columns=given, **light)
@@ -314,7 +322,9 @@ def test_write_then_read_gives_the_same_points(tmp_path_factory, kind, measureme
             )
             assert found is not None, (scan, [s for s, _ in left])
             left = [pair for pair in left if pair[0] is not found[0] or pair[1] != found[1]]
-            conditions = {k.replace("CONDITION_", "").replace("condition ", ""): v for k, v in found[0].conditions.items()}
+            conditions = {
+                k.replace("CONDITION_", "").replace("condition ", ""): v for k, v in found[0].conditions.items()
+            }
             assert conditions == dict(scan.conditions)
     assert not left
 

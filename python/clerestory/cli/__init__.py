@@ -44,13 +44,17 @@ _COMMANDS = (
 _GROUPS: dict[str, tuple[str, ...]] = {
     "measure": (
         "plan",
+        "camera",
         "import",
         "list",
         "show",
         "plot",
+        "check",
+        "prepare",
+        "calibrate",
         "export",
     ),
-    "system": ("build",),
+    "system": ("build", "rate"),
 }
 
 app = typer.Typer(

@@ -227,7 +227,9 @@ def _stated_number(stated: dict[str, str], key: str) -> float:
 
 
 def _directions(data: bytes, grid: int, over: float, front: Side) -> tuple[Floats, tuple[Lobes, ...]]:
-    at = data.index(b"\n\n") + 2
+    at = data.find(b"\n\n") + 2
+    if at < 2:
+        raise FileFormatError("no empty line ends the header (the file was not transferred as binary)")
     if data[at : at + 2] != _MAGIC:
         raise FileFormatError("the numbers do not begin with 5a3c (the file was not transferred as binary)")
     at += 2
@@ -261,7 +263,7 @@ def _directions(data: bytes, grid: int, over: float, front: Side) -> tuple[Float
         lobes.append(_lobes(table, four[3], grid, over, front))
     if not incident:
         raise FileFormatError("the file has no directions (make it again)")
-    if data[-8:] != b"\xff" * 8:
+    if len(data) - at < 8 or data[-8:] != b"\xff" * 8:
         raise FileFormatError(f"the file ends at byte {len(data)}, before the end of its plans (get it again)")
     vectors = np.array(incident)
     return _turned(vectors / np.linalg.norm(vectors, axis=1, keepdims=True), front), tuple(lobes)
