@@ -268,7 +268,7 @@ def test_what_a_person_gives_to_other_commands(folder, capsys):
     assert isinstance(read("files"), Contents)
 
 
-@pytest.mark.parametrize("form", ["mountain", "astm", "zemax", "csv"])
+@pytest.mark.parametrize("form", ["mountain", "astm", "csv"])
 def test_what_is_exported_can_be_imported(folder, capsys, form):
     run(capsys, "import", "twill")
     code, out, err = run(capsys, "export", "twill", "--format", form, "-o", "out", "--json")
