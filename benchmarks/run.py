@@ -18,6 +18,7 @@ import glare_year  # noqa: E402
 import goniophotometer  # noqa: E402
 import loading  # noqa: E402
 import lookups  # noqa: E402
+import measure_import  # noqa: E402
 import rays  # noqa: E402
 import rooms  # noqa: E402
 import round_robin  # noqa: E402
@@ -42,6 +43,9 @@ CHAPTERS = {
         "rays": rays.report,
         "shading": shading.report,
         "round-robin": round_robin.report,
+    },
+    "Measurements": {
+        "measure-import": measure_import.report,
     },
     "Rooms": {
         "rooms": rooms.report,
