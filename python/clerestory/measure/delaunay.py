@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+
 class NoSurfaceError(ClerestoryError):
     """Points through which there is no surface: too few, or all on one line."""
 
@@ -123,7 +124,7 @@ class Surface:
         return Integral(per_triangle.sum(axis=0), per_triangle[~self.measured_triangles].sum(axis=0))
 
     def onto(self, basis: Basis, *, across: int = 8) -> tuple[Floats, Floats]:
-        """Mean BSDF of patches by projected solid angle (patches, channels), and how much of each was measured (0 to 1).
+        """Mean BSDF of patches by projected solid angle (patches, channels), and the share of each that was measured.
 
         Parameters
         ----------

@@ -31,7 +31,8 @@ if TYPE_CHECKING:
 
 def plan(
     job: Annotated[
-        Path | None, typer.Argument(metavar="[PLAN]", help="TOML file with the job; or use options.", show_default=False)
+        Path | None,
+        typer.Argument(metavar="[PLAN]", help="TOML file with the job; or use options.", show_default=False),
     ] = None,
     *,
     output: Annotated[
@@ -231,11 +232,7 @@ def _scans_from(scans: list[Scan], asked: tuple[float, float], path: Path) -> li
 
     from clerestory.directions import direction
 
-    kept = [
-        s
-        for s in scans
-        if float(s.incident @ direction(*asked, side=s.incident_side)) > np.cos(np.radians(0.5))
-    ]
+    kept = [s for s in scans if float(s.incident @ direction(*asked, side=s.incident_side)) > np.cos(np.radians(0.5))]
     if not kept:
         there = ", ".join(f"{s.incident_theta_deg:g},{s.incident_phi_deg:g}" for s in scans[:8])
         raise UsageError(f"{path}: no scan of light from {asked[0]:g},{asked[1]:g} (there are {there})")

@@ -140,8 +140,8 @@ def _geometry(
         for screen, size, (height, width) in zip(screens, sizes, shapes, strict=True):
             if size is not None and size != [width, height]:
                 raise ClerestoryError(
-                    f"{screen.name}: a picture of {width} × {height} pixels is not the camera's of {size[0]} × {size[1]} "
-                    "(correct size_pixels, or the picture)"
+                    f"{screen.name}: a picture of {width} × {height} pixels is not the camera's of "
+                    f"{size[0]} × {size[1]} (correct size_pixels, or the picture)"
                 )
         footprints = screen_footprints(screens, shapes, basis, side, rig.feather)
         share = covered(screens, shapes, basis, side)
@@ -149,7 +149,8 @@ def _geometry(
     for screen, footprint in zip(screens, footprints, strict=False):
         if not len(footprint.pixels):
             raise ClerestoryError(
-                f"{screen.name}: no pixel shows light that leaves to the {side} (check its corners, marks and the sign of z)"
+                f"{screen.name}: no pixel shows light that leaves to the {side} "
+                "(check its corners, marks and the sign of z)"
             )
     share = np.where(np.bincount(np.concatenate([f.patches for f in footprints]), minlength=len(basis)) > 0, share, 0.0)
     missing = share < _COVERED
@@ -242,9 +243,8 @@ def _missing_words(basis: Basis, side: Side, missing: NDArray[np.bool_]) -> str:
 
 def _seam_words(faulty: list[Seam], joints: list[Seam], place: str) -> str:
     worst = max(faulty, key=lambda seam: seam.mismatch)
-    words = (
-        f"light from {place}: {worst.first} and {worst.second} differ by {100.0 * worst.mismatch:.1f} % along their seam"
-    )
+    much = f"{100.0 * worst.mismatch:.1f} %"
+    words = f"light from {place}: {worst.first} and {worst.second} differ by {much} along their seam"
     # A screen all of whose seams are faulty, and whose neighbours agree with the rest, is the misplaced one.
     names = {name for seam in joints for name in (seam.first, seam.second)}
     alone = [

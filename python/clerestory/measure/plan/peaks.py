@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 
 from clerestory._core import ClerestoryError
 from clerestory.directions import angles, direction
-from clerestory.measure.delaunay import CLIP_DEG, surface
+from clerestory.measure.delaunay import surface
 from clerestory.measure.plan.paths import circle_path, square_path
 
 if TYPE_CHECKING:
