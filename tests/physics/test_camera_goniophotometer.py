@@ -171,7 +171,7 @@ def test_a_camera_that_sees_the_sample_itself(tmp_path):
     view = "-vta -vp 0 0 0 -vd 0 0 1 -vu 0 1 0 -vh 180 -vv 180"
     from clerestory.picture import View
 
-    d = View(view).pixel_directions(300, 300)
+    d = View(view).pixel_directions(900, 900)
     grey = np.nan_to_num(lobe(d) * LUX, nan=0.0)
     Picture(np.repeat(grey[..., None] / 179.0, 3, axis=2)).write(tmp_path / "direct.exr")
     tables = {k: v for k, v in TABLES.items() if k not in ("screens", "aperture_mm2")}
@@ -181,6 +181,11 @@ def test_a_camera_that_sees_the_sample_itself(tmp_path):
     assert made.missing == 0
     np.testing.assert_allclose(scan.values[:, 0], patch_means(lobe, exit_grid(5.0)), rtol=0.01)
     assert made.seams == ((),)
+    assert made.measurement.warnings == ()
+    # Too few pixels for the narrow patches about the normal are told.
+    Picture(np.repeat(grey[::4, ::4, None] / 179.0, 3, axis=2)).write(tmp_path / "direct.exr")
+    (warning,) = develop(Rig.of({**tables, "direct": {"view": view}, "incidences": [incidence]})).measurement.warnings
+    assert "fewer than 4 pixels" in warning
 
 
 def test_darkening_and_dark_signal_are_taken_off(tmp_path):

@@ -99,7 +99,7 @@ def test_a_cut_has_a_line_a_set_and_the_points_near_the_plane():
 
 
 def test_a_scan_of_a_line_is_a_cut_of_dots():
-    alpha = np.linspace(1.0, 80.0, 80)
+    alpha = np.linspace(5.0, 80.0, 80)
     line = Scan("exterior", "transmission", 0.0, 0.0, alpha, np.full(80, 270.0), 0.2 * np.ones((80, 1)))
     figure = measured.cut_figure({"line": [line]})
     dots = next(one for one in figure.axes[0].lines if one.get_label() == "line")

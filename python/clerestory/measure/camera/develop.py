@@ -44,6 +44,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+_PIXELS = 4
+"""A mean of fewer pixels than this says little of a patch."""
 _COVERED = 0.5
 """A direction of the exit grid counts as seen if so much of its patch is."""
 
@@ -152,7 +154,14 @@ def _geometry(
                 f"{screen.name}: no pixel shows light that leaves to the {side} "
                 "(check its corners, marks and the sign of z)"
             )
-    share = np.where(np.bincount(np.concatenate([f.patches for f in footprints]), minlength=len(basis)) > 0, share, 0.0)
+    counts = np.bincount(np.concatenate([f.patches for f in footprints]), minlength=len(basis))
+    share = np.where(counts > 0, share, 0.0)
+    few = int(((counts < _PIXELS) & (share >= _COVERED)).sum())
+    if few:
+        warnings.append(
+            f"{counted(few, 'direction')} of {len(basis)} are the mean of fewer than {_PIXELS} pixels "
+            "(larger pictures, or a coarser exit grid)"
+        )
     missing = share < _COVERED
     if missing.all():
         raise ClerestoryError("no direction of the exit grid is seen (check the screens' corners and the pictures)")
