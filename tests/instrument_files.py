@@ -51,7 +51,13 @@ def lighttools(content="Monochrome", front_azimuth=0.0, end="\n", back=False):
     for side in ("Front", "Back") if back else ("Front",):
         for scatter in ("BRDF", "BTDF"):
             for k, name in enumerate(names):
-                lines += ["AOI 40", f"POI {front_azimuth:g}", f"Side {side}", "Wavelength 550", f"ScatterType {scatter}"]
+                lines += [
+                    "AOI 40",
+                    f"POI {front_azimuth:g}",
+                    f"Side {side}",
+                    "Wavelength 550",
+                    f"ScatterType {scatter}",
+                ]
                 lines += [f"TristimulusValue {name}"] if name else []
                 lines.append(f"TIS {0.25 + 0.5 * (scatter == 'BTDF') + 0.01 * k:g}")
                 base = (scatter == "BTDF") * 100 + k * 10 + (side == "Back") * 1000
@@ -89,14 +95,15 @@ REFLET = "\r".join(
 SLICE = b"Name / Comment : card\nData file type : BRDF\nScanning : 1 axis\nTheta Lighting 20\n-20 0.1\n0 0.2\n20 0.9\n"
 
 JDV = (
-    "DataType:\tBRDF(RT-300S)\r\nSampleID:\tleft\r\nDate:\t7/12/2025\r\nIncidence:\t30\r\nPolar:\t-30,30,30\r\n"
-    "Azimuth:\t-90,0,90\r\n\r\nRaw data\r\n\t-30\t0\t30\r\n-90\t1\t3\t4\r\n0\t2\t3\t5\r\n\r\n\r\n"
-    "DataType:\tBRDF(RT-300S)\r\nSampleID:\tright\r\nIncidence:\t0\r\n\r\nRaw data\r\n\t-30\t0\r\n-90\t7\t8\r\n"
-).encode()
+    b"DataType:\tBRDF(RT-300S)\r\nSampleID:\tleft\r\nDate:\t7/12/2025\r\nIncidence:\t30\r\nPolar:\t-30,30,30\r\n"
+    b"Azimuth:\t-90,0,90\r\n\r\nRaw data\r\n\t-30\t0\t30\r\n-90\t1\t3\t4\r\n0\t2\t3\t5\r\n\r\n\r\n"
+    b"DataType:\tBRDF(RT-300S)\r\nSampleID:\tright\r\nIncidence:\t0\r\n\r\nRaw data\r\n\t-30\t0\r\n-90\t7\t8\r\n"
+)
 
 SPEOS = (
     b"OPTIS - Anisotropic BSDF surface file v1.0\nSampleID:\tSample 60\n0 1 0\n1\t0\n0\n1\n3\n0 45 90\n10 0\n"
-    b"Reflection Spectrum\n2\n100 50\n1000 50\n\t-90\t0\n-30\t1\t2\n0\t3\t3\n30\t4\t5\n\n\n\t0\t180\n0\t3\t3\n30\t9\t9\n"
+    b"Reflection Spectrum\n2\n100 50\n1000 50\n\t-90\t0\n-30\t1\t2\n0\t3\t3\n30\t4\t5\n\n\n"
+    b"\t0\t180\n0\t3\t3\n30\t9\t9\n"
 )
 
 # One luminance table of one channel, with a factor for each angle of incidence: BSDF = value * kbdf / pi.
@@ -108,9 +115,12 @@ DDT = (
     b"Source Generated\nTypeSym ASymmetrical 4D\nTypeColorModel Spectral 2\nTypeData Intensity Absolute\n"
     b"psi 2 0 90\nsigma 1 40\nsigmaT 25\nphi 1 0\ntheta 2 0 10\nwl 500\n1 2\n3 4\nwl 600\n5 6\n7 8\n"
 )
-SDR = b"Source Measured\nTypeColorModel RGB\nsigma 3 0 30 60\nred def 0.1 0.2 0.3\ngre def 0.4 0.5 0.6\nblu 0.7 0.8 0.9\n"
+SDR = (
+    b"Source Measured\nTypeColorModel RGB\nsigma 3 0 30 60\nred def 0.1 0.2 0.3\ngre def 0.4 0.5 0.6\nblu 0.7 0.8 0.9\n"
+)
 
-SSDD = b"""VERSION 0.2
+SSDD = (
+    b"""VERSION 0.2
 SOFTWARE by hand
 # a table about the normal
 DATA_TYPE brdf
@@ -122,7 +132,9 @@ PARAM2_LIST 0 30 90
 PARAM3_LIST 0 180
 NAME two words
 DATA ascii
-""" + b"".join(b"%d %d %d\n" % (k, k + 100, k + 200) for k in range(24)) + b"""
+"""
+    + b"".join(b"%d %d %d\n" % (k, k + 100, k + 200) for k in range(24))
+    + b"""
 DATA_TYPE btdf
 COLOR_MODEL monochrome
 PARAM_TYPE specular_coordinate_system
@@ -148,6 +160,7 @@ DATA ascii
 0.1 0.2
 0.3 0.4
 """
+)
 
 # The same table of a Lambertian reflection of 0.5 on half and difference angles, as text and as float32.
 HALF_HEAD = (
@@ -157,8 +170,14 @@ HALF_HEAD = (
 HALF = HALF_HEAD + b"DATA ascii\n" + b"0.15915494\n" * 8
 HALF_BINARY = HALF_HEAD + b"DATA binary\n" + struct.pack("<8f", *[0.5 / np.pi] * 8)
 
-FRED = b"type bsdf_data\nformat angles=deg bsdf=value scale=2\n30\t0\n0\t0\t0.1\n30\t0\t0.5\n30\t90\t0.2\n150 0 0.4\n10 90\n5 0 1\n"
-VIAVI = b"!!EDS10 10-90     RPC Photonics     10/28/2014\n!!BSDF Data\n10.000\t90.000\n0.0 0.0 0.6\n10.0 90.0 24.0\n90.0 0.0 9.0\n"
+FRED = (
+    b"type bsdf_data\nformat angles=deg bsdf=value scale=2\n"
+    b"30\t0\n0\t0\t0.1\n30\t0\t0.5\n30\t90\t0.2\n150 0 0.4\n10 90\n5 0 1\n"
+)
+VIAVI = (
+    b"!!EDS10 10-90     RPC Photonics     10/28/2014\n!!BSDF Data\n"
+    b"10.000\t90.000\n0.0 0.0 0.6\n10.0 90.0 24.0\n90.0 0.0 9.0\n"
+)
 BRF = (
     b"BRF Values\nRSG tile, 2 inch\nsrc_z\tsrc_a\tview_z\tview_a\t450nm\t550.5nm\n"
     b"0 0 45 180 3.141592653589793 1\n45 0 0 0 1.5 1.25\n45 0 45 180 2 2\n"
@@ -175,17 +194,16 @@ PRODUCT_1 = (
 )
 PRODUCT_2 = (
     b'{"name": "Film", "physical_properties": {"thickness": 1.5, "optical_properties": {"optical_data":'
-    b' {"angle_blocks": [{"incidence_angle": 8, "wavelength_data": [{"w": "0.3", "specular": {"tf": "0.2", "tb": "0.21"},'
-    b' "diffuse": {"tf": "0.3", "rb": "0.1"}}, {"w": "0.4", "specular": {"tf": "0.25"}, "pv": {"eqef": "0.5"}}]}]}}}}'
+    b' {"angle_blocks": [{"incidence_angle": 8, "wavelength_data": ['
+    b'{"w": "0.3", "specular": {"tf": "0.2", "tb": "0.21"}, "diffuse": {"tf": "0.3", "rb": "0.1"}},'
+    b' {"w": "0.4", "specular": {"tf": "0.25"}, "pv": {"eqef": "0.5"}}]}]}}}}'
 )
 SPHERES = (
     b"# lamp: xenon\nangle,wavelength,side,scatter,collected,value,standard error\n"
     b"8,400,front,T,hemispherical,0.5,0.01\n8,500,front,T,hemispherical,0.6,0.01\n"
     b"8,400,front,T,diffuse,0.2,0.01\n8,500,front,T,diffuse,0.25,0.02\n60,400,back,reflectance,total,0.3,0.01\n"
 )
-WIDE = (
-    b"wavelength (um);tau_n-h [%];tau_n-dif [%];Rf;Rb\n0.4;50;20;0.1;0.2\n0.3;40;10;0.3;\n"
-)
+WIDE = b"wavelength (um);tau_n-h [%];tau_n-dif [%];Rf;Rb\n0.4;50;20;0.1;0.2\n0.3;40;10;0.3;\n"
 RT = b"# Incident side: interior\nAOI 0 0.5 0.25\nAOI: 30, 0.45, 0.3\n"
 
 

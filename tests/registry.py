@@ -12,7 +12,8 @@ import numpy as np
 
 from clerestory import Basis, Bsdf, Model, read
 from clerestory.directions import direction, outgoing_side
-from clerestory.system import pane, stack
+from clerestory.system import Layer, Window, pane, stack
+from clerestory.system.shelf import glass
 from partition import Polar, Sectors, Square, Turned
 
 if TYPE_CHECKING:
@@ -341,6 +342,26 @@ def _cases() -> list[Case]:
             ),
             of(full),
         ),
+        Case(
+            "specular by cosine",
+            lambda: transmission(Model.specular(np.array([0.0, 0.7, 0.85, 0.9]), by="cosine")),
+            diffuse,
+        ),
+        Case("diffuser seen through beams", lambda: transmission(Model.lambertian(0.8).filtered(_PASS, _PASS))),
+        Case(
+            "table seen through beams by patch",
+            lambda: transmission(
+                table(full, seed=13).filtered(_PASS, Model.specular(np.linspace(1, 0.2, 145), basis=full))
+            ),
+            of(full),
+        ),
+        Case("tree seen through beams", lambda: transmission(tree_model(4, 3).filtered(_PASS, _PASS)).rotated(12.0)),
+        Case(
+            "window at its layers' own resolution",
+            lambda: Window(
+                [Layer("pane", pane=glass("clear", 0.006)), Layer("shade", bsdf=_diffuser(small))]
+            ).sharpened(basis=small),
+        ),
     ]
 
 
@@ -380,6 +401,10 @@ def _isotropic_beam() -> Model:
         return "{" + " ".join(node(level + 1, child) for child in children) + "}"
 
     return _read_tree(3, node(0, (0, 0, 0))).models["visible"]["exterior", "transmission"]
+
+
+#: What a pane leaves over, by cosine.
+_PASS = Model.specular(np.array([0.0, 0.6, 0.8, 0.85, 0.9]), by="cosine")
 
 
 def _diffuser(basis: Basis) -> Bsdf:

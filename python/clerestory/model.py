@@ -149,8 +149,8 @@ class Model(TreeOperations):
 
         Notes
         -----
-        a(vᵢ) f(vᵢ, vₒ) b(vₒ), at the model's own resolution; its peaks are not in it. Totals of a matrix are exact, others
-        are found with 4096 samples.
+        a(vᵢ) f(vᵢ, vₒ) b(vₒ), at the model's own resolution; its peaks are not in it. Totals of a matrix are exact,
+        others are found with 4096 samples.
         """
         return Model(self._core.filtered(before._core, after._core))
 

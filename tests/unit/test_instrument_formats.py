@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import instrument_files as files
-from clerestory._core import ClerestoryError, FileFormatError
+from clerestory._core import ClerestoryError, FileFormatError, UnsupportedError
 from clerestory.measure.formats import FORMATS, all_formats
 from samples import ABSENT, sample_root
 
@@ -188,7 +188,11 @@ def test_integra_luminance_is_a_radiance_factor_and_intensity_has_the_cosine():
 def test_integra_specular_shares_are_direct_values():
     values = read("integra_specular").sphere_values
     assert [v.theta_deg for v in values] == [0.0, 30.0, 60.0]
-    assert (values[1].collected, values[1].scatter, values[1].bands) == ("direct", "reflection", ("red", "green", "blue"))
+    assert (values[1].collected, values[1].scatter, values[1].bands) == (
+        "direct",
+        "reflection",
+        ("red", "green", "blue"),
+    )
     np.testing.assert_array_equal(values[1].values, [0.2, 0.5, 0.8])
 
 
@@ -197,7 +201,11 @@ def test_ssdd_holds_tables_about_the_normal_and_about_the_specular_direction():
     scans = only(contents).scans
     assert len(scans) == 6
     slanted = scans[3]
-    assert (slanted.incident_theta_deg, slanted.incident_phi_deg, slanted.channels) == (40.0, 90.0, ("red", "green", "blue"))
+    assert (slanted.incident_theta_deg, slanted.incident_phi_deg, slanted.channels) == (
+        40.0,
+        90.0,
+        ("red", "green", "blue"),
+    )
     # The first list runs fastest: index = theta_i + 2 phi_i + 4 theta_o + 12 phi_o.
     assert at(slanted, 30.0, 180.0, 1) == 1 + 2 + 4 + 100
     assert at(slanted, 30.0, 0.0, 2) == 1 + 2 + 4 + 12 + 200
@@ -256,7 +264,7 @@ def test_a_workbook_is_refused_with_what_to_export():
     workbook = import_module("clerestory.measure.formats.workbook")
     old = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(100)
     assert workbook.recognises(old, "a.xls")
-    with pytest.raises(FileFormatError, match=r"export text: \.jdv"):
+    with pytest.raises(UnsupportedError, match=r"export text: \.jdv"):
         workbook.read(old, "a.xls")
 
 

@@ -15,7 +15,11 @@ from clerestory.measure.formats import lighttools, reflectances, zemax
 
 def same(first, second):
     """Whether scans hold the same points, in any order."""
-    assert (first.incident_side, first.scatter, first.quantity) == (second.incident_side, second.scatter, second.quantity)
+    assert (first.incident_side, first.scatter, first.quantity) == (
+        second.incident_side,
+        second.scatter,
+        second.quantity,
+    )
     np.testing.assert_allclose(second.incident, first.incident, atol=1e-9)
     assert set(first.channels) == set(second.channels)
     assert len(first) == len(second)

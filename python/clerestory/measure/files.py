@@ -9,18 +9,18 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from clerestory._core import ClerestoryError, FileFormatError, gunzip
+from clerestory._core import ClerestoryError, FileFormatError, UnsupportedError, gunzip
 from clerestory.files import named
 from clerestory.measure.contents import Contents
-from clerestory.measure.formats import FORMATS, all_formats, table
+from clerestory.measure.formats import FORMATS, UnknownFormatError, all_formats, table
+from clerestory.measure.formats.choices import CHOICES
 from clerestory.measure.formats.header import HEAD
 from clerestory.measure.source import digest
 from clerestory.whole import whole_file
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Mapping
 
-    from clerestory.measure.formats import Format
     from clerestory.measure.scan import Measurement
     from clerestory.measure.source import Source
 
@@ -67,31 +67,31 @@ def read(
     listed = [paths] if isinstance(paths, (str, os.PathLike)) else list(paths)
     if not listed:
         raise ClerestoryError("no file to read (give files or folders)")
-    formats = all_formats()
+    for choice in choices:
+        if choice not in CHOICES:
+            raise ClerestoryError(f"choice {choice!r} is not known (there are: {', '.join(CHOICES)})")
     parts: list[Contents] = []
     for given in listed:
         path = Path(given)
         if not path.is_dir():
             if not path.exists():
                 raise ClerestoryError(f"{path}: no such file or folder")
-            parts.append(_read(path, formats, choices))
+            parts.append(_read(path, choices))
             continue
         found = 0
         for inner in _files_below(path):
             try:
-                parts.append(_read(inner, formats, choices))
+                parts.append(_read(inner, choices))
                 found += 1
-            except _UnknownFormatError:
+            except (UnknownFormatError, UnsupportedError) as error:
                 if strict:
                     raise
-                parts.append(Contents(warnings=(f"{inner.relative_to(path)}: no measurement, left out",)))
+                known = isinstance(error, UnsupportedError)
+                why = str(error).removeprefix(f"{inner}: ") if known else "no measurement, left out"
+                parts.append(Contents(warnings=(f"{inner.relative_to(path)}: {why}",)))
         if not found:
             raise ClerestoryError(f"{path}: no measurement in the folder (`docs/measurements.md` lists the formats)")
     return Contents.together(parts)
-
-
-class _UnknownFormatError(FileFormatError):
-    """No format recognises a file."""
 
 
 def _files_below(folder: Path) -> list[Path]:
@@ -103,23 +103,43 @@ def _files_below(folder: Path) -> list[Path]:
     return [path for path in found if path.is_file()]
 
 
-def _read(path: Path, formats: Sequence[Format], choices: Mapping[str, object]) -> Contents:
-    packed = path.read_bytes()
-    with named(path):
+def read_bytes(packed: bytes, name: str, **choices: object) -> Contents:
+    """Read a measurement from the bytes of a file.
+
+    Parameters
+    ----------
+    packed
+        The bytes, as they lie on a disk.
+    name
+        The file's name, for messages and for samples without one.
+    choices
+        As of `read`.
+    """
+    with named(Path(name)):
         if not packed[:HEAD].strip(_NOTHING) and not packed.strip(_NOTHING):
-            raise _UnknownFormatError("the file is empty, or nothing but blanks and zeros (get it again)")
+            raise UnknownFormatError("the file is empty, or nothing but blanks and zeros (get it again)")
         data = _text(gunzip(packed) if packed.startswith(_GZIP) else packed)
-        name = path.name
-        chosen = next((f for f in formats if f.recognises(data, name)), None)
+        # What the suffix before tells, it tells of the packed file, too.
+        inner = name[:-3] if data is not packed and name.lower().endswith(".gz") else name
+        chosen = next((f for f in all_formats() if f.recognises(data, inner)), None)
         if chosen is None and table.readable(data, choices):
             chosen = table
         if chosen is None:
-            raise _UnknownFormatError(
+            raise UnknownFormatError(
                 "no format of measurements is recognised (docs/measurements.md lists them; a table with other names of "
                 "columns needs `columns`)"
             )
-        contents = chosen.read(data, name, **choices)
-    return contents if data is packed else _sourced(contents, digest(packed))
+        contents = chosen.read(data, inner, **choices)
+    return contents if data is packed else _sourced(contents, name, digest(packed))
+
+
+def _read(path: Path, choices: Mapping[str, object]) -> Contents:
+    data = path.read_bytes()
+    try:
+        return read_bytes(data, path.name, **choices)
+    except ClerestoryError as error:
+        # Its whole path, where the bytes have a name only.
+        raise type(error)(f"{path}{str(error).removeprefix(path.name)}") from error
 
 
 def _text(data: bytes) -> bytes:
@@ -133,11 +153,11 @@ def _text(data: bytes) -> bytes:
     return data[len(_MARK) :] if data.startswith(_MARK) else data
 
 
-def _sourced(contents: Contents, sha256: str) -> Contents:
-    """With the mark of the file's bytes as they lie on the disk."""
+def _sourced(contents: Contents, name: str, sha256: str) -> Contents:
+    """With the name and the mark of the file's bytes as they lie on the disk."""
 
     def marked(source: Source | None) -> Source | None:
-        return None if source is None else replace(source, sha256=sha256)
+        return None if source is None else replace(source, name=name, sha256=sha256)
 
     return Contents(
         tuple(
@@ -172,8 +192,7 @@ def write(measurement: Measurement, path: str | os.PathLike[str], format_name: s
     measurement
         The scans.
     path
-        A folder, which is made if it is not there; or, where the format has one file for all scans or there is just one,
-        the name of that file. A name with a suffix is a file's.
+        A folder, which is made if it is not there; or a name with a suffix, of the one file that the format makes.
     format_name
         One of `writable_formats()`.
     choices

@@ -14,16 +14,22 @@ Examples
 from clerestory.system.glass import Glass, Plate, Sheet, Thermal
 from clerestory.system.glass_files import read_glass
 from clerestory.system.glazing import Glazing
+from clerestory.system.layer import Gap, Layer
 from clerestory.system.pane import pane, pane_from_normal
 from clerestory.system.stack import System, stack
+from clerestory.system.window import Built, Window
 
 __all__ = [
+    "Built",
+    "Gap",
     "Glass",
     "Glazing",
+    "Layer",
     "Plate",
     "Sheet",
     "System",
     "Thermal",
+    "Window",
     "pane",
     "pane_from_normal",
     "read_glass",

@@ -69,13 +69,14 @@ def roos(transmittance: Floats, exterior: Floats, interior: Floats, theta_deg: F
 
     Notes
     -----
-    T(θ)/T₀ = 1 − a z^α − b z^β − c z^γ with z = θ/90° and one pane: a = 8, b = 0.25/q, c = 1 − a − b, α = 5.2 + 0.7 q, β = 2,
-    γ = 5.32 + 0.77 q. Absorption stays as it is along the normal up to 75°, and goes down to nothing at 90° (Kuhn 2006).
+    T(θ)/T₀ = 1 − a z^α − b z^β − c z^γ with z = θ/90° and one pane: a = 8, b = 0.25/q, c = 1 − a − b, α = 5.2 + 0.7
+    q, β = 2, γ = 5.32 + 0.77 q. Absorption stays as it is along the normal up to 75°, and goes down to nothing at 90°
+    (Kuhn 2006).
 
     References
     ----------
-    Roos, Polato, van Nijnatten, Hutchins, Olive, Anderson 2001, "Angular-dependent optical properties of low-e and solar
-    control windows", Solar Energy 69 (Supplement 6), 15–26.
+    Roos, Polato, van Nijnatten, Hutchins, Olive, Anderson 2001, "Angular-dependent optical properties of low-e and
+    solar control windows", Solar Energy 69 (Supplement 6), 15–26.
     """
     if not 1.0 <= category <= 10.0:
         raise ClerestoryError(f"category {category:g} of a coating is not one of Roos' model (give 1 to 10)")

@@ -49,8 +49,8 @@ class Curves:
 class Glazing:
     """Panes of glass with gaps between them, outermost first; a single pane too.
 
-    Light is followed through all reflections, wavelength by wavelength and in each polarisation, as fluxes: gaps are thick
-    against the coherence length, and optically nothing.
+    Light is followed through all reflections, wavelength by wavelength and in each polarisation, as fluxes: gaps are
+    thick against the coherence length, and optically nothing.
 
     Parameters
     ----------

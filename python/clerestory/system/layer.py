@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-BY_ANGLE = ("specular", "specular-angular", "specular-cosine", "pane")
-"""Kinds of beams that do not depend on the azimuth."""
 GAIN = 1e-3
 """Data that send out more than they receive by less than this pass."""
 
@@ -53,6 +51,8 @@ class Layer:
     thermal: Thermal = field(default_factory=Thermal)
     """What heat asks of it."""
     warnings: tuple[str, ...] = ()
+    number: int | None = None
+    """Its place in a specification, where gaps count too."""
 
     def __post_init__(self) -> None:
         if (self.pane is None) == (self.bsdf is None):
@@ -60,13 +60,16 @@ class Layer:
 
     def flipped(self) -> Layer:
         """Turned round."""
-        return Layer(
-            self.name,
-            None if self.pane is None else self.pane.flipped(),
-            None if self.bsdf is None else self.bsdf.flipped(),
-            self.thermal.flipped(),
-            self.warnings,
+        return replace(
+            self,
+            pane=None if self.pane is None else self.pane.flipped(),
+            bsdf=None if self.bsdf is None else self.bsdf.flipped(),
+            thermal=self.thermal.flipped(),
         )
+
+    def called(self, place: int) -> str:
+        """Its number and name, for messages; `place` counts from 1 where it has no number of its own."""
+        return f"layer {self.number or place} ({self.name})"
 
 
 @dataclass(frozen=True)
@@ -95,11 +98,6 @@ class Parts:
                 raise ClerestoryError("a turned sum of beams and scattered light is not known here (turn its parts)")
         return cls([], [(weight, model)])
 
-    @property
-    def by_angle(self) -> bool:
-        """Whether beams are the same for all azimuths."""
-        return all(model._core.to_parts()[0] in BY_ANGLE for _, model in self.beams)
-
     def beam(self, incident: Floats, side: Side, scatter: Scatter) -> Floats:
         """Transmittance or reflectance of the beams (m,) for directions (m, 3) from a side."""
         value = np.zeros(len(incident))
@@ -118,7 +116,7 @@ class Parts:
         return Model.sum(self.scattered)
 
     def shares(self, basis: Basis) -> tuple[Floats, float]:
-        """Flux shares (outgoing, incident) of the scattered light on a basis, and the RMS sampling error over the mean."""
+        """Flux shares (outgoing, incident) of scattered light on a basis, and the RMS sampling error over the mean."""
         n = len(basis)
         values, error = np.zeros((n, n)), 0.0
         for weight, model in self.scattered:
@@ -164,8 +162,8 @@ def refuse_gain(bsdf: Bsdf, bands: Iterable[str]) -> None:
             worst = int(np.argmax(total))
             if total[worst] > 1.0 + GAIN:
                 raise ClerestoryError(
-                    f"{100.0 * total[worst]:.1f} % of the {band} light from the {side} at {theta[worst // 4]:g}° leaves it "
-                    "(check the data; transmittance and reflectance sum to 1 at most)"
+                    f"{100.0 * total[worst]:.1f} % of the {band} light from the {side} at {theta[worst // 4]:g}° "
+                    "leaves it (check the data; transmittance and reflectance sum to 1)"
                 )
 
 

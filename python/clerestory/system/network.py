@@ -1,8 +1,8 @@
 """Light between layers: beams exactly in every direction, scattered light from patch to patch.
 
-Each layer has two faces. Light *arrives* at a face and is *emitted* from one; faces are counted 2k (exterior) and 2k + 1
-(interior) for layer k, outermost first. Gaps are optically nothing and layers have no lateral extent, so a beam keeps its
-point of the disk through the whole system, and beams are a small linear system for every direction.
+Each layer has two faces. Light *arrives* at a face and is *emitted* from one; faces are counted 2k (exterior) and 2k
++ 1 (interior) for layer k, outermost first. Gaps are optically nothing and layers have no lateral extent, so a beam
+keeps its point of the disk through the whole system, and beams are a small linear system for every direction.
 
 With b what beams make of arrivals, s what scattering makes of them, and h the way from a face across its gap:
 
@@ -10,8 +10,8 @@ With b what beams make of arrivals, s what scattering makes of them, and h the w
 
 References
 ----------
-Klems 1994, "A new method for predicting the solar heat gain of complex fenestration systems", ASHRAE Transactions 100, with
-beams kept apart from scattered light.
+Klems 1994, "A new method for predicting the solar heat gain of complex fenestration systems", ASHRAE Transactions
+100, with beams kept apart from scattered light.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from clerestory._core import ClerestoryError
 
@@ -77,6 +78,16 @@ class Beams:
             np.stack([emitted[..., 0], emitted[..., -1]], axis=1),
         )
 
+    def by_patch(self, count: int) -> Beams:
+        """Means over patches of as many directions each, in the order of the patches."""
+        m = self.gain.shape[0] // count
+
+        def mean(values: Floats, axis: int) -> Floats:
+            shape = (*values.shape[:axis], count, m, *values.shape[axis + 1 :])
+            return np.asarray(values.reshape(shape).mean(axis=axis + 1))
+
+        return Beams(mean(self.gain, 0), mean(self.arriving, 0), mean(self.entering, 1), mean(self.leaving, 2))
+
     def escaping(self, side: int) -> Floats:
         """What leaves to a side of light that scattering emits from each face (m, 2L)."""
         return self.gain[:, 0 if side == 0 else -1, :]
@@ -95,8 +106,13 @@ class Scattered:
 
     @classmethod
     def of(cls, beams: Beams, shares: dict[int, Floats]) -> Scattered:
-        """From what layers scatter: by layer, flux shares (2, 2, n, n) by side of incidence, side that they are emitted
-        to, outgoing and incident patch.
+        """From what layers scatter.
+
+        Parameters
+        ----------
+        shares
+            By layer, flux shares (2, 2, n, n): side of incidence, side that they are emitted to, outgoing and incident
+            patch.
 
         Raises
         ------
@@ -115,7 +131,9 @@ class Scattered:
         onward = np.einsum("fpgq,qgh->fphq", once, again)
         size = len(faces) * n
         try:
-            often = np.linalg.solve(np.eye(size) - onward.reshape(size, size), once.reshape(size, size))
+            # One thread: the same digits on any machine, and no waiting where others compute too.
+            with threadpool_limits(1, user_api="blas"):
+                often = np.linalg.solve(np.eye(size) - onward.reshape(size, size), once.reshape(size, size))
         except np.linalg.LinAlgError:
             raise ClerestoryError(
                 "light that gets between two layers never leaves them (one of them must let some go)"
@@ -149,8 +167,8 @@ def solve(beams: Beams, shares: dict[int, Floats], absorbers: list[Floats]) -> S
     shares
         What layers scatter, as for `Scattered.of`.
     absorbers
-        What the absorbers of each layer take of the light that arrives, (k, 2, n) by side: one of a plain layer, several
-        of a run of panes that counts as one.
+        What the absorbers of each layer take of the light that arrives, (k, 2, n) by side: one of a plain layer,
+        several of a run of panes that counts as one.
     """
     n, faces = beams.gain.shape[0], beams.gain.shape[1]
     scattered = np.zeros((2, 2, n, n))

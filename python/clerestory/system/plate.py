@@ -40,7 +40,7 @@ class Optics:
         return cls(transmittance, exterior, interior, absorbed[None])
 
     def before(self, inner: Optics) -> Optics:
-        """This with another one behind it, towards the interior.
+        """With another one behind it, towards the interior.
 
         All reflections between them are followed: the geometric series of EN 410 and ISO 9050, in each polarisation.
         """
@@ -111,8 +111,8 @@ def sheets(indices: list[Floats], internal: list[Floats], theta_deg: ArrayLike) 
 
     Notes
     -----
-    Light on its path through a sheet is weakened by internal^(1/cosθ'), cosθ' = √(1 − sin²θ/n²), and divided at each border by
-    Fresnel's equations. The sheets' absorption is given as that of one pane.
+    Light on its path through a sheet is weakened by internal^(1/cosθ'), cosθ' = √(1 − sin²θ/n²), and divided at each
+    border by Fresnel's equations. The sheets' absorption is given as that of one pane.
     """
     theta = np.radians(np.atleast_1d(np.asarray(theta_deg, dtype=np.float64)))
     sine = np.sin(theta)[None, :]

@@ -1,13 +1,15 @@
 """Windows at their layers' own resolution: beams stay beams, and scattered light keeps the detail of what scattered it.
 
-A beam that goes through panes and gaps stays a beam. Where it meets a layer that scatters, that layer is evaluated exactly at the
-beam's direction, and its light leaves through panes that are evaluated exactly at the outgoing direction:
+A beam that goes through panes and gaps stays a beam. Where it meets a layer that scatters, that layer is evaluated
+exactly at the beam's direction, and its light leaves through panes that are evaluated exactly at the outgoing
+direction:
 
     f(vᵢ, vₒ) = Σ aₖ(vᵢ) fₖ(vᵢ, vₒ) bₖ(vₒ) + Σ aₖ(vᵢ) m(pᵢ, pₒ) bₗ(vₒ)
 
-The first sum is light that was scattered once, at the resolution of the layer's own model; a and b hold all reflections along
-beams. The second is light that was scattered more often, first by layer k and last by layer l, for which m is solved on patches.
-Gaps are optically thin and layers have no lateral extent: that light comes back elsewhere than it left is ignored.
+The first sum is light that was scattered once, at the resolution of the layer's own model; a and b hold all
+reflections along beams. The second is light that was scattered more often, first by layer k and last by layer l, for
+which m is solved on patches. Gaps are optically thin and layers have no lateral extent: that light comes back
+elsewhere than it left is ignored.
 """
 
 from __future__ import annotations
@@ -20,10 +22,11 @@ from clerestory.basis import Basis
 from clerestory.bsdf import Bsdf
 from clerestory.directions import SCATTERS, SIDES, direction
 from clerestory.model import Model
+from clerestory.system.grid import Grid
 from clerestory.system.layer import Parts, components
 from clerestory.system.network import Beams, Scattered
 from clerestory.system.spectrum import Spectrum
-from clerestory.system.window import Window, fields
+from clerestory.system.window import Window, fields, patch_directions
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,15 +35,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-STEPS = 2048
-"""Steps of cosθ for beams that are the same for all azimuths, linear between them."""
-LEAST_COSINE = 1e-6
-"""Stands for grazing incidence, where light between panes has no end."""
-FINE = Basis.from_rings(
-    "beams",
-    [(2.0 * k, 2.0 * k + 2.0, 2.0 * k + 1.0, max(1, round(90.0 * np.sin(np.radians(2 * k + 1))))) for k in range(45)],
-)
-"""Patches of 2° to 4° for beams that depend on the azimuth, such as those through a blind."""
 FAINT = 1e-9
 """Light weaker than this is left out."""
 
@@ -59,12 +53,14 @@ def sharpened(window: Window, *, norm: str = "en410", basis: Basis | str = "klem
 
     Returns
     -------
-    Data set of sums of beams and of `Model.filtered` views, for files of Clerestory's own (`.bsdf.npz`) and for rendering.
+    Data set of sums of beams and of `Model.filtered` views, for files of Clerestory's own (`.bsdf.npz`) and for
+    rendering.
 
     Notes
     -----
-    Bands are solved once, with means over the wavelengths of what panes do. Where panes lie on both sides of a layer that
-    scatters, means of products differ from products of means; they are corrected by their ratio at normal incidence.
+    Bands are solved once, with means over the wavelengths of what panes do. Where panes lie on both sides of a layer
+    that scatters, means of products differ from products of means; they are corrected by their ratio at normal
+    incidence.
     """
     chosen = Basis.named(basis) if isinstance(basis, str) else basis
     bands = {
@@ -89,7 +85,8 @@ class _Band:
             {} if unit.layer is None or unit.layer.bsdf is None else components(unit.layer.bsdf, band)[0]
             for unit in self.units
         ]
-        self.by_angle = all(parts.by_angle for held in self.parts for parts in held.values())
+        beams = (model for held in self.parts for parts in held.values() for _, model in parts.beams)
+        self.grid = Grid.of(beams)
         self.faces = [
             face
             for k, held in enumerate(self.parts)
@@ -98,12 +95,7 @@ class _Band:
         ]
 
     def models(self) -> dict[tuple[Side, Scatter], Model]:
-        if self.by_angle:
-            cosine = np.clip(np.linspace(0.0, 1.0, STEPS + 1), LEAST_COSINE, 1.0)
-            incident = [direction(np.degrees(np.arccos(cosine)), 90.0, side=side) for side in SIDES]
-        else:
-            incident = [FINE.incident_centres(side) for side in SIDES]
-        beams = self._beams(incident)
+        beams = self._beams([self.grid.incident(side) for side in SIDES])
         ratio = self._correlation()
         kernels = self._kernels()
         return {
@@ -127,14 +119,14 @@ class _Band:
                     continue
                 for model in self._scatterers(arrives, leaves, kernels):
                     weight = float(ratio[side, to, arrives, leaves])
-                    parts.append((weight, model.filtered(self._filter(before), self._filter(after))))
+                    parts.append((weight, model.filtered(self.grid.model(before), self.grid.model(after))))
         beam = beams.leaving[side, to]
         if beam.max() > FAINT or not parts:
-            parts.append((1.0, self._filter(beam)))
+            parts.append((1.0, self.grid.model(beam)))
         return Model.sum(parts)
 
     def _scatterers(self, arrives: int, leaves: int, kernels: dict[tuple[int, int], Floats]) -> list[Model]:
-        """What light from one face to another is scattered by: the layer itself, and all that goes on between layers."""
+        """What scatters light from one face to another: the layer itself, and all that goes on between layers."""
         models = []
         if arrives // 2 == leaves // 2:
             scatter: Scatter = "reflection" if arrives == leaves else "transmission"
@@ -144,10 +136,6 @@ class _Band:
         if kernel.max() > FAINT:
             models.append(Model.matrix(kernel, self.basis))
         return models
-
-    def _filter(self, values: Floats) -> Model:
-        values = np.clip(values, 0.0, None)
-        return Model.specular(values, by="cosine") if self.by_angle else Model.specular(values, basis=FINE)
 
     def _beams(self, incident: list[Floats]) -> Beams:
         """Beams in directions (m, 3) from both sides, of the same points of the disk."""
@@ -169,12 +157,14 @@ class _Band:
         return Beams.of(np.stack(transmittance), np.stack(reflectance))
 
     def _kernels(self) -> dict[tuple[int, int], Floats]:
-        """BSDF [1/sr] (outgoing, incident) of light scattered twice or more, by the face where it leaves the last layer that
-        scatters it and the face where it arrives at the first one."""
+        """BSDF [1/sr] (outgoing, incident) of light scattered twice or more.
+
+        By the face where it leaves the last layer that scatters it and the face where it arrives at the first one.
+        """
         if not self.faces:
             return {}
-        beams = self._beams([self.basis.incident_centres(side) for side in SIDES])
         n = len(self.basis)
+        beams = self._beams([patch_directions(self.basis, side, "mean") for side in SIDES]).by_patch(n)
         shares: dict[int, Floats] = {}
         for layer in sorted({face // 2 for face in self.faces}):
             shares[layer] = np.zeros((2, 2, n, n))
@@ -193,7 +183,7 @@ class _Band:
         }
 
     def _correlation(self) -> Floats:
-        """Mean of products over product of means for the ways in and out, along the normal: (side, to, arrives, leaves)."""
+        """Mean of products over product of means for ways in and out, along the normal: (side, to, arrives, leaves)."""
         faces = 2 * len(self.units)
         if sum(unit.glazing is not None for unit in self.units) < 2 or not self.faces:
             return np.ones((2, 2, faces, faces))

@@ -7,12 +7,12 @@ import numpy as np
 from clerestory._core import ClerestoryError
 from clerestory.system.glass import Plate, Sheet, Thermal
 
-# Extinction coefficient of clear float glass, in units of 1e-7, by wavelength [nm]. With the index below, panes of 3 and
-# 6 mm agree with the generic clear glass of NFRC (102 and 103) to 0.002 in transmittance.
+# Extinction coefficient of clear float glass, in units of 1e-7, by wavelength [nm]. With the index below, panes of 3
+# and 6 mm agree with the generic clear glass of NFRC (102 and 103) to 0.002 in transmittance.
 CLEAR = {
-    300: 480, 310: 370, 320: 180, 330: 80, 340: 35, 360: 7.0, 380: 6.4, 400: 2.4, 440: 2.9, 500: 1.7, 540: 2.0, 580: 3.2,
-    620: 5.7, 660: 8.9, 700: 13, 750: 20, 800: 27, 900: 40, 1000: 49, 1100: 55, 1200: 57, 1300: 57, 1400: 53, 1500: 46,
-    1600: 40, 1800: 43, 2000: 50, 2200: 61, 2400: 64, 2500: 75,
+    300: 480, 310: 370, 320: 180, 330: 80, 340: 35, 360: 7.0, 380: 6.4, 400: 2.4, 440: 2.9, 500: 1.7, 540: 2.0,
+    580: 3.2, 620: 5.7, 660: 8.9, 700: 13, 750: 20, 800: 27, 900: 40, 1000: 49, 1100: 55, 1200: 57, 1300: 57, 1400: 53,
+    1500: 46, 1600: 40, 1800: 43, 2000: 50, 2200: 61, 2400: 64, 2500: 75,
 }  # fmt: skip
 NAMES = ("clear",)
 EMISSIVITY = 0.84

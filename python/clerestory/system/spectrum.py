@@ -84,8 +84,8 @@ def standard(name: str) -> Standard:
 
     Notes
     -----
-    EN 410 gives weights by interval. For the others the trapezoidal rule is taken: solar at the wavelengths of the sun's
-    table up to 2500 nm, visible at steps of 5 nm.
+    EN 410 gives weights by interval. For the others the trapezoidal rule is taken: solar at the wavelengths of the
+    sun's table up to 2500 nm, visible at steps of 5 nm.
     """
     key = name.lower().replace(" ", "").replace("-", "").replace("_", "")
     if key == "en410":

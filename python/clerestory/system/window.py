@@ -30,7 +30,9 @@ Specular = Literal["centre", "mean"]
 BANDS = ("visible", "solar", "nir")
 EDGES_NM = (*range(300, 781, 40), *range(880, 2581, 100))
 """Limits of the bins in which windows with scattering layers are solved; 380 and 780 nm are among them."""
-SAMPLES = 16
+LOST = 0.01
+"""Share of near-infrared light below nothing that passes as noise."""
+SAMPLES = 8
 """Directions along each axis of a patch for a mean over it."""
 
 
@@ -106,7 +108,7 @@ class Window:
             raise ClerestoryError("a window needs at least one layer")
         if self.gaps and len(self.gaps) != len(self.layers) - 1:
             raise ClerestoryError(
-                f"{len(self.gaps)} gaps do not lie between {len(self.layers)} layers (give {len(self.layers) - 1}, or none)"
+                f"{len(self.gaps)} gaps do not lie between {len(self.layers)} layers (give one fewer than layers)"
             )
         for number, layer in enumerate(self.layers, 1):
             if layer.bsdf is None:
@@ -116,7 +118,7 @@ class Window:
                     refuse_missing(layer.bsdf, band)
                 refuse_gain(layer.bsdf, layer.bsdf.bands)
             except ClerestoryError as error:
-                raise type(error)(f"layer {number} ({layer.name}): {error}") from None
+                raise type(error)(f"{layer.called(number)}: {error}") from None
 
     @property
     def units(self) -> list[Unit]:
@@ -152,7 +154,7 @@ class Window:
         common = [name for name in BANDS if all(name in names for names in held)]
         if not common:
             lists = (
-                f"layer {k} ({layer.name}): {', '.join(sorted(names)) or 'none of them whole'}"
+                f"{layer.called(k)}: {', '.join(sorted(names)) or 'none of them whole'}"
                 for k, (layer, names) in enumerate(zip(self.layers, held, strict=True), 1)
             )
             raise MissingDataError(f"the layers have no band in common ({'; '.join(lists)})")
@@ -190,9 +192,7 @@ class Window:
         if spectral and len(self.units) > 1 and any(unit.glazing for unit in self.units):
             found = tables.by_wavelength(bands)
             difference = {name: _apart(found[name], broad[name]) for name in found}
-        warnings = [
-            f"layer {k} ({layer.name}): {text}" for k, layer in enumerate(self.layers, 1) for text in layer.warnings
-        ]
+        warnings = [f"{layer.called(k)}: {text}" for k, layer in enumerate(self.layers, 1) for text in layer.warnings]
         return Built(
             [layer.name for layer in self.layers],
             chosen,
@@ -201,6 +201,12 @@ class Window:
             difference,
             warnings + tables.notes,
         )
+
+    def sharpened(self, *, norm: str = "en410", basis: Basis | str = "klems-full") -> Bsdf:
+        """At the layers' own resolution, see `clerestory.system.sharp.sharpened`."""
+        from clerestory.system.sharp import sharpened
+
+        return sharpened(self, norm=norm, basis=basis)
 
 
 class Tables:
@@ -212,7 +218,7 @@ class Tables:
         self.units = window.units
         self.notes: list[str] = []
         self._kept: dict[tuple[int, str], tuple[Floats, Floats, Floats | None, Floats]] = {}
-        self.incident = [_directions(basis, side, specular) for side in SIDES]
+        self.incident = [patch_directions(basis, side, specular) for side in SIDES]
 
     def broad(self, band: str, spectrum: Spectrum) -> Solution:
         """A band solved once, with means of the panes' values."""
@@ -277,11 +283,11 @@ class Tables:
             layer = self.units[index].layer
             assert layer is not None
             assert layer.bsdf is not None
-            number = 1 + sum(len(unit) for unit in self.units[:index])
+            place = layer.called(1 + sum(len(unit) for unit in self.units[:index]))
             try:
-                self._kept[index, band] = self._on_patches(layer, band, f"layer {number} ({layer.name}), {band}: ")
+                self._kept[index, band] = self._on_patches(layer, band, f"{place}, {band}: ")
             except ClerestoryError as error:
-                raise type(error)(f"layer {number} ({layer.name}): {error}") from None
+                raise type(error)(f"{place}: {error}") from None
         return self._kept[index, band]
 
     def _on_patches(self, layer: Layer, band: str, place: str) -> tuple[Floats, Floats, Floats | None, Floats]:
@@ -292,8 +298,12 @@ class Tables:
             visible, solar = (self._scattering_of(layer, name, place) for name in ("visible", "solar"))
             r = self.visible_share
             t, f, s = ((b - r * a) / (1.0 - r) for a, b in zip(visible, solar, strict=True))
-            if min(t.min(), f.min(), s.min()) < -1e-6:
-                self.notes.append(place + "its visible and solar values leave less than nothing for the near infrared")
+            below, above = (sum(np.clip(sign * v, 0.0, None).sum() for v in (t, f, s)) for sign in (-1.0, 1.0))
+            if below > LOST * above:
+                self.notes.append(
+                    f"{place}its visible and solar values leave less than nothing for {100.0 * below / above:.1f} % of "
+                    "the near infrared, which counts as 0"
+                )
             t, f, s = (np.clip(values, 0.0, None) for values in (t, f, s))
         else:
             t, f, s = self._scattering_of(layer, band, place)
@@ -343,7 +353,7 @@ def binned(spectrum: Spectrum) -> list[tuple[float, Spectrum]]:
     return bins
 
 
-def _directions(basis: Basis, side: Side, specular: Specular) -> Floats:
+def patch_directions(basis: Basis, side: Side, specular: Specular) -> Floats:
     """Incident directions (n·k, 3), k a patch."""
     if specular == "centre":
         return basis.incident_centres(side)

@@ -62,13 +62,14 @@ def export(
         raise UsageError(f"--format {chosen}: of which sample? (give its name; `clerestory measure list` has them)")
     if chosen == _MODELS and (laboratory, date, incident) != (None, None, None):
         raise UsageError("--format xml: models are not chosen by --laboratory, --date or --incident (leave them out)")
+    direction = incident_of(incident)
     with open_database(db) as database:
         if sample is not None:
             database.sample(sample)
         if chosen == _MODELS:
             paths, notes = _publish(database, sample, output)
         else:
-            paths, notes = _scans(database, str(sample), output, chosen, laboratory, date, incident)
+            paths, notes = _scans(database, str(sample), output, chosen, laboratory, date, direction)
     if as_json:
         print_json({"written": paths, "notes": notes})
         return
@@ -94,12 +95,12 @@ def _scans(
     form: str,
     laboratory: str | None,
     date: str | None,
-    incident: str | None,
+    direction: tuple[float | None, float | None],
 ) -> tuple[list[Path], list[str]]:
     from clerestory.counts import counted
     from clerestory.measure.files import write
 
-    theta, phi = incident_of(incident)
+    theta, phi = direction
     found = database.measurement(sample, laboratory=laboratory, date=date, theta_deg=theta, phi_deg=phi)
     if not found.scans:
         raise UsageError(f"{sample}: no such scans (`clerestory measure list scans --sample '{sample}'` has them)")

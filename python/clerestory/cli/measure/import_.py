@@ -126,7 +126,8 @@ def _file(
     replace: bool,
 ) -> Added:
     from clerestory.measure.database import Added
-    from clerestory.measure.files import UnknownFormatError, read
+    from clerestory.measure.files import read
+    from clerestory.measure.formats import UnknownFormatError
 
     with path.open("rb") as stream:
         mark = hashlib.file_digest(stream, "sha256").hexdigest()
@@ -138,10 +139,11 @@ def _file(
             database.remove("file", known.id)
     try:
         contents = read([path], **choices)
-    except UnknownFormatError:
+    except UnknownFormatError as error:
         if not of_folder:
             raise
-        return Added(warnings=[f"{path}: no measurement, left out"])
+        what = str(error).removeprefix(f"{path}: ").partition(" (")[0]
+        return Added(warnings=[f"{path}: {what}; left out"])
     with about(path):
         return database.add(contents, sample=sample, conditions=conditions, choices=choices, originals=[path])
 

@@ -76,8 +76,9 @@ def list(  # noqa: A001  # the command's name
             raise UsageError(f"--upgrade: {kind} come with Clerestory, not from a database (leave it out)")
         rows: Sequence[object] = _catalogue(kind)
     else:
+        direction = incident_of(incident)
         with open_database(db, upgrade=upgrade) as database:
-            rows = _rows(database, kind, sample, laboratory, date, incident)
+            rows = _rows(database, kind, sample, laboratory, date, direction)
     if find is not None:
         rows = [row for row in rows if find.lower() in str(row).lower()]
     if as_json:
@@ -96,12 +97,12 @@ def _rows(
     sample: str | None,
     laboratory: str | None,
     date: str | None,
-    incident: str | None,
+    direction: tuple[float | None, float | None],
 ) -> Sequence[object]:
     if sample is not None:
         database.sample(sample)
     if kind == "scans":
-        theta, phi = incident_of(incident)
+        theta, phi = direction
         return database.stored_scans(sample=sample, laboratory=laboratory, date=date, theta_deg=theta, phi_deg=phi)
     if kind == "samples":
         return [one for one in database.samples() if sample in (None, one.name)]

@@ -11,6 +11,7 @@ from clerestory._core import ClerestoryError, MissingDataError
 from clerestory.directions import direction
 from clerestory.measure.calibrate.known import Known, known_values
 from clerestory.measure.delaunay import surface
+from clerestory.measure.direct import PORT_MARGIN, SCATTERING
 from clerestory.words import percent
 
 if TYPE_CHECKING:
@@ -23,14 +24,8 @@ if TYPE_CHECKING:
 
 NEAR_DEG = 1.0
 """A scan is of the light that a sphere measured within this angle [°]."""
-MARGIN = 3.0
-"""Thicknesses of a scattering sample by which a sphere's port should be wider than the lit spot on every side: light
-that was scattered once at a right angle to the surface's normal comes out so far off that less than a tenth of it is
-lost."""
 SMALL_SPHERE_MM = 250.0
 """A sphere of a spectrophotometer is no larger [mm], and its ports are about a tenth of that."""
-SCATTERED = 0.1
-"""Share of scattered light from which on a sample is a scatterer."""
 LOST = 0.03
 """Relative shortfall of a small sphere's values of a scatterer that points to light lost sideways."""
 
@@ -161,15 +156,15 @@ def _lateral(one: Known, row: Row, scattered: float) -> str:
     A thick scatterer sends light out of the sample beside the sphere's port. The difference of a sphere's total and
     diffuse values is sound even so, the values themselves are not (report C.2.2, section 2.3).
     """
-    if scattered < SCATTERED:
+    if scattered < SCATTERING:
         return ""
     port, spot, thick = (_millimetres(one, key) for key in ("port_mm", "spot_mm", "thickness_mm"))
     if port is not None and spot is not None and thick is not None:
         margin = 0.5 * (port - spot)
-        if margin < MARGIN * thick:
+        if margin < PORT_MARGIN * thick:
             return (
                 f"light is likely lost sideways: the port of {port:g} mm is {margin:g} mm wider than the spot on each"
-                f" side, for a scattering sample of {thick:g} mm (it takes {MARGIN:g} thicknesses; use a larger port)"
+                f" side, for a scattering sample of {thick:g} mm ({PORT_MARGIN:g} thicknesses are needed)"
             )
         return ""
     sphere = _millimetres(one, "sphere_mm")

@@ -10,9 +10,7 @@ import numpy as np
 from clerestory._core import ClerestoryError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     Floats = NDArray[np.float64]
 
@@ -33,7 +31,7 @@ class Factors:
     """Factors (n,)."""
 
     @classmethod
-    def of(cls, theta_deg: Sequence[float], phi_deg: Sequence[float], values: Sequence[float]) -> Factors:
+    def of(cls, theta_deg: ArrayLike, phi_deg: ArrayLike, values: ArrayLike) -> Factors:
         """Factors at some directions.
 
         Raises

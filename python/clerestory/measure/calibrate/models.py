@@ -39,6 +39,8 @@ Scaling = Literal["all", "scattered", "peak", "both"]
 value."""
 SCALINGS: tuple[Scaling, ...] = ("all", "scattered", "peak", "both")
 ENERGY = 1e-6
+_ROUNDS = 4
+_SETTLED = 1e-3
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,7 @@ def calibrated(
                     result, parts = work.both(result, here)
                     factors += parts
                 elif not reciprocal:
-                    result, used = work.scaled(result, wanted, scaling, found)
+                    result, used = work.scaled(result, wanted, scaling, found, here)
                     factors.append(used)
                 else:
                     factors.append(Factor(band, side, scatter, "all", found))
@@ -167,7 +169,7 @@ class _Component:
         else:
             u = (np.stack(np.meshgrid(np.arange(4), np.arange(4)), axis=-1).reshape(-1, 2) + 0.5) / 4.0
             toward = np.stack([self.basis.sample_incident(k, u, self.side) for k in range(len(self.basis))])
-        return self.bsdf.integrate(toward, self.scatter, band=self.band, part=part).mean(axis=1)
+        return np.asarray(self.bsdf.integrate(toward, self.scatter, band=self.band, part=part).mean(axis=1))
 
     def patch(self, one: Known) -> int:
         return int(self.basis.index_of_incident(direction(one.theta_deg, one.phi_deg, side=self.side)))
@@ -176,7 +178,7 @@ class _Component:
         """The value that each patch should have, and the factors where the sphere measured."""
         totals = self.totals()
         patches = [self.patch(one) for one in here]
-        measured = np.array([one.hemispherical for one in here], dtype=np.float64)
+        measured = measured_of(here)
         found = Factors.of(
             [one.theta_deg for one in here],
             [one.phi_deg for one in here],
@@ -210,7 +212,9 @@ class _Component:
             )
         return factors
 
-    def scaled(self, result: Bsdf, wanted: Floats, scaling: Scaling, found: Factors) -> tuple[Bsdf, Factor]:
+    def scaled(
+        self, result: Bsdf, wanted: Floats, scaling: Scaling, found: Factors, here: Sequence[Known]
+    ) -> tuple[Bsdf, Factor]:
         """The data set with one part of this component scaled so that the totals are those wanted."""
         if self.model.kind == "matrix" and scaling != "all":
             beam, rest = beam_and_rest(self.model)
@@ -223,8 +227,25 @@ class _Component:
             shown = Factors.of(self.theta_deg[changed > 0.0], self.phi_deg[changed > 0.0], ratio[changed > 0.0])
             return result.with_models(models), Factor(self.band, self.side, self.scatter, scaling, shown)
         core_part: Part = "all" if scaling == "all" else "direct" if scaling == "peak" else "scattered"
-        done = result.normalised(wanted, self.side, self.scatter, basis=self.basis, band=self.band, part=core_part)
+        done = self._normalised(result, wanted, core_part)
+        # A patch of another model than a matrix has values of its own within it: a few rounds settle the measured ones.
+        for _ in range(_ROUNDS if self.model.kind != "matrix" else 0):
+            now = self.at(done, here)
+            ratios = np.divide(measured_of(here), now, out=np.ones_like(now), where=now > 0.0)
+            if np.max(np.abs(ratios - 1.0)) < _SETTLED:
+                break
+            nudge = Factors.of([one.theta_deg for one in here], [one.phi_deg for one in here], list(ratios))
+            wanted = wanted * self._at_patches(nudge, [self.patch(one) for one in here], [])
+            done = self._normalised(result, wanted, core_part)
         return done, Factor(self.band, self.side, self.scatter, scaling, found)
+
+    def at(self, bsdf: Bsdf, here: Sequence[Known]) -> Floats:
+        """Direct-hemispherical values in the measured directions."""
+        toward = np.stack([direction(one.theta_deg, one.phi_deg, side=self.side) for one in here])
+        return bsdf.integrate(toward, self.scatter, band=self.band)
+
+    def _normalised(self, bsdf: Bsdf, wanted: Floats, part: Part) -> Bsdf:
+        return bsdf.normalised(wanted, self.side, self.scatter, basis=self.basis, band=self.band, part=part)
 
     def both(self, result: Bsdf, here: Sequence[Known]) -> tuple[Bsdf, list[Factor]]:
         """Peak and scattered light each to its own measured value."""
@@ -254,12 +275,8 @@ class _Component:
         if matrix:
             model = self._matrix(beam * to_beam, rest * to_rest)
             return result.with_models({self.band: {(self.side, self.scatter): model}}), parts
-        done = result.normalised(
-            beam * to_beam + under, self.side, self.scatter, basis=self.basis, band=self.band, part="direct"
-        )
-        total = beam * to_beam + under * to_rest
-        done = done.normalised(total, self.side, self.scatter, basis=self.basis, band=self.band, part="scattered")
-        return done, parts
+        done = self._normalised(result, beam * to_beam + under, "direct")
+        return self._normalised(done, beam * to_beam + under * to_rest, "scattered"), parts
 
     def _matrix(self, beam: Floats, rest: Floats) -> Model:
         made = rest + np.diag(beam / self.basis.projected_solid_angles)
@@ -267,6 +284,11 @@ class _Component:
         if errors is not None:
             errors = errors * np.divide(made, held, out=np.ones_like(made), where=held > 0.0)
         return Model.matrix(made, self.basis, standard_errors=errors)
+
+
+def measured_of(here: Sequence[Known]) -> Floats:
+    """Hemispherical values (n,)."""
+    return np.array([one.hemispherical for one in here], dtype=np.float64)
 
 
 def _ratios(measured: Floats, modelled: Floats, where: Sequence[str]) -> Floats:

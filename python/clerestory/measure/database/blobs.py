@@ -22,7 +22,7 @@ def keep(connection: Connection, data: bytes) -> int:
     row = connection.execute(insert(blobs).values(sha256=digest(data), bytes=len(data)))
     number = int(row.inserted_primary_key[0])  # type: ignore[index]  # an insert of one row has one
     for k, start in enumerate(range(0, len(data), _PIECE)):
-        piece = zlib.compress(data[start : start + _PIECE], 6)
+        piece = zlib.compress(data[start : start + _PIECE], 1)
         connection.execute(insert(pieces).values(blob_id=number, number=k, data=piece))
     return number
 

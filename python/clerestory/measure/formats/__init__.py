@@ -10,6 +10,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Protocol
 
+from clerestory._core import FileFormatError
+
 if TYPE_CHECKING:
     from clerestory.measure.contents import Contents
 
@@ -38,6 +40,10 @@ FORMATS: tuple[str, ...] = (
     "table",
 )
 """Modules of this package, in the order in which they are asked."""
+
+
+class UnknownFormatError(FileFormatError):
+    """A file is no measurement that is read; in a folder of mixed files it is left out."""
 
 
 class Format(Protocol):

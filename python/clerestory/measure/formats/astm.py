@@ -1,8 +1,8 @@
 """Tables of ASTM E1392 and E2387: keywords, a line VARS that names the columns, then rows of all incident directions.
 
-Angles are radians in the files that are in use, azimuths those of the direction to the source and of the light, counter-
-clockwise as seen by who looks at the lit side. The standards name the quantities and leave the layout open, so what a
-file does not say is told by a person.
+Angles are radians in the files that are in use, azimuths those of the direction to the source and of the light,
+counter-clockwise as seen by who looks at the lit side. The standards name the quantities and leave the layout open, so
+what a file does not say is told by a person.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from clerestory.counts import counted
 from clerestory.directions import SIDES
 from clerestory.measure.contents import Contents
 from clerestory.measure.formats.choices import lit_side, one_of, sample_of, scatter_of
-from clerestory.measure.formats.frame import Frame, halves, wrapped
+from clerestory.measure.formats.frame import Frame, halves, signed
 from clerestory.measure.formats.header import HEAD, condition_key, lines_of, one_line, text_of, writable
 from clerestory.measure.formats.names import plain, untaken
 from clerestory.measure.formats.rows import grouped
@@ -61,7 +61,7 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
     names = [word.strip() for word in text_of(found[1]).split(",")]
     if tuple(word.lower() for word in names[:4]) != _ANGLES:
         raise FileFormatError(
-            f"VARS {','.join(names)[:60]}: not the angles {','.join(_ANGLES)} first (reorder the columns)"
+            f"line {len(header)}: VARS {','.join(names)[:60]} does not begin with {','.join(_ANGLES)} (reorder the columns)"
         )
     columns, starts, line = _table(data, found.end(), len(header), names)
     rows = len(columns[2])
@@ -78,15 +78,15 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
         digest(data),
         NAME,
         header,
-        f"light comes from the {side} ({'as stated' if 'INCIDENT_SIDE' in stated else 'assumed'}); {frame.words}; angles in"
-        f" {'degrees' if units == 1.0 else 'radians'}; {words}",
+        f"light comes from the {side} ({'as stated' if 'INCIDENT_SIDE' in stated else 'assumed'}); {frame.words}; "
+        f"angles in {'degrees' if units == 1.0 else 'radians'}; {words}",
     )
-    theta, phi = wrapped(columns[2] * units, columns[3] * units)
+    theta, phi = signed(columns[2] * units, columns[3] * units)
     values = columns[4][:, None] if len(columns) == 5 else np.stack(columns[4:], axis=1)
     del columns[4:]
     scans = []
     for (theta_i, phi_i), chosen in grouped([columns[0], columns[1]], starts, rows):
-        incident, azimuth = wrapped(np.array([theta_i * units]), np.array([phi_i * units]))
+        incident, azimuth = signed(np.array([theta_i * units]), np.array([phi_i * units]))
         for found_scatter, part, angles in halves(theta[chosen], scatter):
             scan = Scan(
                 side,

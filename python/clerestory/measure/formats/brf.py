@@ -62,7 +62,7 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
     channels = tuple(f"{match[1]} nm" for match in map(_WAVELENGTH.match, names) if match)
     if len(channels) != len(names) or not channels or len(set(channels)) < len(channels):
         raise FileFormatError(
-            f"line {at + 1}: the columns after the angles are not wavelengths such as 550nm, each once"
+            f"line {at + 1}: the columns after the angles are not wavelengths, each once (name them 550nm)"
         )
     width = 4 + len(channels)
     for k, line in enumerate(lines[at + 1 :], start=at + 2):

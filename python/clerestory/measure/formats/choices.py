@@ -15,6 +15,21 @@ if TYPE_CHECKING:
     from clerestory.directions import Scatter, Side
     from clerestory.measure.scan import Quantity
 
+CHOICES: dict[str, str] = {
+    "sample": "its name",
+    "side": "exterior or interior, which the light comes from",
+    "scatter": "transmission or reflection",
+    "quantity": "bsdf, dsf or signal",
+    "incident_theta_deg": "the incident angle",
+    "incident_phi_deg": "the azimuth of the source",
+    "front": "exterior or interior, which the file calls front",
+    "seen_from": "exterior or interior, from where azimuths run counter-clockwise",
+    "up_deg": "the file's azimuth of the sample's up",
+    "angles": "degrees or radians",
+    "columns": "the file's names of columns by ours",
+}
+"""What can be said, by the names that readers ask for."""
+
 ABOVE_DEG = 90.0
 """Azimuth [°] of light from above, which the plane of incidence is taken to hold where a file gives none."""
 

@@ -74,6 +74,20 @@ def wrapped(theta_deg: Floats, phi_deg: Floats) -> tuple[Floats, Floats]:
     return np.abs(theta), np.where(theta < 0.0, phi_deg + 180.0, phi_deg)
 
 
+def signed(theta_deg: Floats, phi_deg: Floats) -> tuple[Floats, Floats]:
+    """The same for files whose polar angles have no business beyond 180°.
+
+    Raises
+    ------
+    FileFormatError
+        One has: angles may be exchanged, or in another unit.
+    """
+    beyond = theta_deg[~(np.abs(theta_deg) <= 180.0)]
+    if beyond.size:
+        raise FileFormatError(f"an angle to the normal is {beyond[0]:g}° (are θ and φ exchanged, or the units?)")
+    return wrapped(theta_deg, phi_deg)
+
+
 def halves(
     theta_deg: Floats, scatter: Scatter | None, unstated: Scatter | None = None
 ) -> list[tuple[Scatter, slice | NDArray[np.bool_], Floats]]:

@@ -41,6 +41,8 @@ _MEANINGS = {
 _ESCAPE = "condition "
 """Stands before a condition whose key means something else in the file."""
 _PAIR = re.compile(r"^(?P<key>[^:=]{1,80}?)\s*[:=]\s*(?P<value>.*)$|^(?P<word>\S{1,80})\s+(?P<rest>.*)$")
+_BEHIND = re.compile(r"$|[\s,;/°%]|(deg|rad|[nmµu]m)", re.IGNORECASE)
+"""What may follow a number: nothing, or a unit."""
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 
 
@@ -78,7 +80,7 @@ def leading(data: bytes, start: int, line: int, mark: bytes = b"#") -> tuple[lis
 
 
 def _line_end(data: bytes, start: int) -> int:
-    """Where a line ends; looked for nearby first, so that a file without one kind of line end is not searched each time."""
+    """Where a line ends; looked for nearby first, so that a file without one kind of line end is not searched again."""
     for stop in (start + HEAD, len(data)):
         ends = [end for end in (data.find(b"\n", start, stop), data.find(b"\r", start, stop)) if end >= 0]
         if ends:
@@ -105,9 +107,10 @@ def number_of(value: str, what: str, line: int) -> float:
     """
     match = _NUMBER.match(value.strip())
     number = float(match[0]) if match else np.nan
-    if match is None or not np.isfinite(number):
+    if match is None or not np.isfinite(number) or not _BEHIND.match(value.strip()[match.end() :]):
         raise FileFormatError(f"line {line}: {what} {value[:40]!r} does not begin with a number (write it as 30.5)")
-    if value.strip()[match.end() :][:1] == ",":
+    behind = value.strip()[match.end() :]
+    if behind[:1] == ",":
         raise FileFormatError(f"line {line}: {what} {value[:40]!r} has a comma (write it with a point, as 30.5)")
     return number
 

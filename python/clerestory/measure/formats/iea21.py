@@ -18,7 +18,7 @@ from clerestory.counts import counted
 from clerestory.directions import SCATTERS, SIDES
 from clerestory.measure.contents import Contents
 from clerestory.measure.formats.choices import lit_side, one_of, sample_of, scatter_of
-from clerestory.measure.formats.frame import Frame, halves, wrapped
+from clerestory.measure.formats.frame import Frame, halves, signed
 from clerestory.measure.formats.header import (
     HEAD,
     condition_lines,
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 NAME = "IEA Task 21"
 
-_INCIDENT = re.compile(r"\b(theta|phi)[_ ]?(?:1|i|in|inc)\b\s*[:=]?\s*([-+]?[\d.][^\s,;]*)", re.IGNORECASE)
+_INCIDENT = re.compile(r"\b(theta|phi)[_ ]?(?:1|i|in|inc)\b\s*[:=]?\s*([-+]?[\d.][^\s;]*)", re.IGNORECASE)
 _OUTGOING = re.compile(r"\b(theta|phi)[_ ]?(?:2|o|s|out|t|r)\b", re.IGNORECASE)
 _SYMMETRY = re.compile(r"^isym ?([0-4])\b")
 _SYMMETRIES = ("none", "rotational", "about C0-C180", "about C90-C270", "about C0-C180 and C90-C270")
@@ -57,19 +57,8 @@ _SIDES: dict[str, Side] = {
     "back": "interior",
 }
 _RESERVED = (
-    *(
-        "sample",
-        "sample_name",
-        "isym",
-        "incident_side",
-        "scatter",
-        "up_deg",
-        "quantity",
-        "columns",
-        "purpose",
-        "points",
-    ),
-    *("format", "channel", "theta_1", "phi_1", "theta1", "phi1", "hemispherical"),
+    *("standard", "sample", "sample_name", "isym", "incident_side", "scatter", "up_deg", "quantity", "columns"),
+    *("purpose", "points", "format", "channel", "theta_1", "phi_1", "theta1", "phi1", "hemispherical"),
 )
 _TOLERANCE = 0.05
 """Relative difference of the points' integral from the stated hemispherical value that is named."""
@@ -100,7 +89,7 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
         raise FileFormatError(f"line {line}: no points follow the header (get the whole file)")
     warnings: list[str] = []
     order = _order(lines, columns, warnings)
-    theta, phi = wrapped(columns[order[0]], columns[order[1]])
+    theta, phi = signed(columns[order[0]], columns[order[1]])
     values = np.stack([columns[k] for k in range(len(columns)) if k not in order], axis=1)
     incident = _incident(lines)
     pairs = [pair for text in lines if not _INCIDENT.search(text) for pair in [pair_of(text)] if pair]
@@ -116,8 +105,8 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
     channel = stated.get("channel", "visible")
     channels = (channel,) if values.shape[1] == 1 else tuple(f"{channel} {k + 1}" for k in range(values.shape[1]))
     words = (
-        f"light comes from the {lit} ({'as stated' if side else 'assumed'}); {frame.words}; θ is from the normal of the lit"
-        " side"
+        f"light comes from the {lit} ({'as stated' if side else 'assumed'}); {frame.words}; "
+        "θ is from the normal of the lit side"
     )
     scans = []
     for scatter, chosen, angles in halves(theta, scatter_of(choices) or _scatter(lines, stated.get("scatter", ""))):
@@ -152,10 +141,10 @@ def _incident(lines: list[str]) -> tuple[float, float]:
     found: dict[str, float] = {}
     for number, text in enumerate(lines, 1):
         for kind, value in _INCIDENT.findall(text):
-            found.setdefault(kind.lower(), number_of(value, f"{kind.lower()}_1", number))
+            found.setdefault(kind.lower(), number_of(value.rstrip(","), f"{kind.lower()}_1", number))
     if len(found) < 2:
         raise FileFormatError("header: the incident angles are missing (add # theta_1: 30 and # phi_1: 90)")
-    theta, phi = wrapped(np.array([found["theta"]]), np.array([found["phi"]]))
+    theta, phi = signed(np.array([found["theta"]]), np.array([found["phi"]]))
     if theta[0] > 90.0:
         raise FileFormatError(f"header: theta_1 {theta[0]:g} is beyond 90° (it is from the normal of the lit side)")
     return float(theta[0]), float(phi[0])
@@ -214,7 +203,7 @@ def _doubts(scan: Scan, line: int) -> list[str]:
 
 
 def _integrated(scan: Scan) -> tuple[float, float] | None:
-    """Integral over the points' triangles in the disk, where areas are projected solid angles, and the share spanned."""
+    """Integral over triangles of points in the disk, where areas are projected solid angles, and the share spanned."""
     places = scan.outgoing[:, :2]
     values = scan.channel(scan.channels[0]).copy()
     if scan.quantity == "dsf":
@@ -247,7 +236,7 @@ def _written(sample: str, scan: Scan, channel: str, column: int) -> bytes:
     conditions = dict(scan.conditions)
     symmetry = _SYMMETRY.match(conditions.get("symmetry", ""))
     lines = [
-        f"# IEA SHC Task 21 {'BTDF' if transmitted else 'BRDF'}",
+        f"# standard: IEA SHC Task 21 {'BTDF' if transmitted else 'BRDF'}",
         f"# sample_name: {one_line(sample)}",
         f"# incident_side: {scan.incident_side}",
         f"# scatter: {scan.scatter}",

@@ -84,7 +84,7 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
     odd = np.argwhere((table[:, 1:] < -0.5) | (table[:, 1:] > 1.5))
     if odd.size:
         raise FileFormatError(
-            f"line {rows[odd[0][0]] + 1}: {table[odd[0][0], odd[0][1] + 1]:g} is no share of the light"
+            f"line {rows[odd[0][0]] + 1}: {table[odd[0][0], odd[0][1] + 1]:g} is no share of the light (correct it)"
         )
     source = Source(
         name, digest(data), NAME, tuple(lines[:first]), "front is the exterior; columns of T, R front and R back; 0°"

@@ -172,7 +172,7 @@ def _header(words: Words) -> _Header:
         elif word == "typesym":
             value = words.take("the value of TypeSym").lower()
             if value not in _SYMMETRIES:
-                raise FileFormatError(f"line {line}: TypeSym {value[:40]!r} is not one of {', '.join(_SYMMETRIES)}")
+                raise FileFormatError(f"line {line}: TypeSym {value[:40]!r} is not known ({', '.join(_SYMMETRIES)})")
             header.symmetry = _SYMMETRIES[value]
             if value == "asymmetrical" and words.peek() == "4d":
                 words.take("4D")
@@ -182,7 +182,7 @@ def _header(words: Words) -> _Header:
             kinds = (words.take("the value of TypeData") + " " + words.rest_of_line()).lower().split()
             if kinds[0] not in ("luminance", "intensity") or kinds[1:2] not in ([], ["absolute"], ["relative"]):
                 raise FileFormatError(
-                    f"line {line}: TypeData {' '.join(kinds)[:40]!r} is not Luminance or Intensity, Absolute or …"
+                    f"line {line}: TypeData {' '.join(kinds)[:40]!r} is not known (Luminance or Intensity Absolute)"
                 )
             header.intensity, header.relative = kinds[0] == "intensity", kinds[1:2] == ["relative"]
         else:

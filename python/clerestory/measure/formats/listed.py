@@ -43,7 +43,7 @@ def blocks(lines: Sequence[str], first: int) -> list[tuple[int, float, float, Fl
     heads = [k for k, words in enumerate(split) if len(words) == 2]
     begin = next((k for k, words in enumerate(split) if words), len(split))
     if not heads or begin != heads[0]:
-        raise FileFormatError(f"line {first + begin}: no incident direction (a line of two angles) before the values")
+        raise FileFormatError(f"line {first + begin}: values before an incident direction (add its line of two angles)")
     found = []
     for head, end in zip(heads, [*heads[1:], len(split)], strict=True):
         polar, azimuth = (number(word, "an angle of the incident direction", first + head) for word in split[head])

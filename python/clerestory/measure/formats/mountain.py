@@ -186,7 +186,7 @@ def _counted_points(stated: list[int], total: int, line: int) -> list[str]:
     announced = sum(stated) if sum(stated) == total else max(stated, default=total)
     if total < announced:
         raise FileFormatError(
-            f"line {line}: {total} of the {announced} points that the header announces (the file is cut short; get it again)"
+            f"line {line}: {total} points, and the header announces {announced} (the file is cut short; get it again)"
         )
     return [f"the header announces {announced} points, there are {total}"] if total > announced else []
 

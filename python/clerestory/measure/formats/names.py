@@ -21,7 +21,7 @@ def plain(text: str) -> str:
 
 
 def scan_stem(sample: str, scan: Scan, channel: str = "") -> str:
-    """Sample, side, scatter, incident angles, and what is not of the ordinary: `twill_exterior_transmission_t30_p090`."""
+    """Sample, side, scatter, incident angles and what is special: `twill_exterior_transmission_t30_p090`."""
     angles = f"t{scan.incident_theta_deg:g}_p{scan.incident_phi_deg % 360.0:03g}"
     more = ([] if scan.purpose == "sample" else [scan.purpose]) + ([plain(channel)] if channel else [])
     return "_".join([plain(sample), scan.incident_side, scan.scatter, angles, *more])

@@ -114,11 +114,13 @@ def _material(fields: dict[str, NDArray[np.generic]]) -> tuple[MeasuredMaterial,
     if min(*vndf.shape[2:], *spectra.shape[3:]) < 2:
         raise FileFormatError(f"fields vndf and {coloured} have grids of fewer than 2 nodes (is the file whole?)")
     if coloured == "rgb":
-        channels = _RGB
+        channels: tuple[str, ...] = _RGB
     else:
         channels = tuple(f"{wave:.10g} nm" for wave in np.round(_field(fields, "wavelengths", 1), 4))
     if spectra.shape[2] != len(channels) or len(set(channels)) < len(channels):
-        raise FileFormatError(f"field {coloured} has {spectra.shape[2]} channels where {len(channels)} are named")
+        raise FileFormatError(
+            f"field {coloured} has {spectra.shape[2]} channels where {len(channels)} are named (is the file whole?)"
+        )
     scaled = bool(jacobian.size) and bool(jacobian[0])
     ndf, sigma = (_field(fields, key, 2) if scaled else None for key in ("ndf", "sigma"))
     if ndf is not None and sigma is not None and min(*ndf.shape, *sigma.shape) < 2:
@@ -134,7 +136,9 @@ def _field(fields: dict[str, NDArray[np.generic]], key: str, dimensions: int) ->
         raise FileFormatError(f"no field {key} (is it a measured material?)")
     values = fields[key]
     if values.ndim != dimensions or not values.size:
-        raise FileFormatError(f"field {key} has shape {list(values.shape)} instead of {dimensions} dimensions")
+        raise FileFormatError(
+            f"field {key} has shape {list(values.shape)} instead of {dimensions} dimensions (is it a material?)"
+        )
     if not (values.min() >= -1e30 and values.max() <= 1e30):
         raise FileFormatError(f"field {key} holds values that are no numbers (is the file whole?)")
     return values if dimensions > 2 else values.astype(np.float64)  # type: ignore[return-value]

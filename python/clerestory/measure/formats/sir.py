@@ -141,7 +141,7 @@ def recognises(data: bytes, name: str) -> bool:
 def read(data: bytes, name: str, **choices: object) -> Contents:
     """The lobes, sampled on the file's grid: a scan for each measured direction.
 
-    Choices are `front` (the side that the file's +z points to), `side` (the lit side, which tells the same) and `sample`.
+    Choices are `front` (the side that the file's +z points to), `side` (the lit one) and `sample`.
     """
     interpolant = interpolant_of(data, **choices)
     header, stated = _header(data)
@@ -152,8 +152,8 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
         digest(data),
         NAME,
         header,
-        f"+z is the {interpolant.front}, +y is up, vectors to the source; lobes of a model are sampled in the middle of the "
-        f"cells of a {interpolant.grid} by {interpolant.grid} grid",
+        f"front, +z, is the {interpolant.front}, +y is up, incident vectors are the source's; "
+        f"lobes of a model are sampled in the middle of the cells of a {interpolant.grid} by {interpolant.grid} grid",
     )
     scans = []
     for k, incident in enumerate(interpolant.incident):
@@ -227,7 +227,9 @@ def _stated_number(stated: dict[str, str], key: str) -> float:
 
 
 def _directions(data: bytes, grid: int, over: float, front: Side) -> tuple[Floats, tuple[Lobes, ...]]:
-    at = data.index(b"\n\n") + 2
+    at = data.find(b"\n\n") + 2
+    if at < 2:
+        raise FileFormatError("no empty line ends the header (the file was not transferred as binary)")
     if data[at : at + 2] != _MAGIC:
         raise FileFormatError("the numbers do not begin with 5a3c (the file was not transferred as binary)")
     at += 2
@@ -261,7 +263,7 @@ def _directions(data: bytes, grid: int, over: float, front: Side) -> tuple[Float
         lobes.append(_lobes(table, four[3], grid, over, front))
     if not incident:
         raise FileFormatError("the file has no directions (make it again)")
-    if data[-8:] != b"\xff" * 8:
+    if len(data) - at < 8 or data[-8:] != b"\xff" * 8:
         raise FileFormatError(f"the file ends at byte {len(data)}, before the end of its plans (get it again)")
     vectors = np.array(incident)
     return _turned(vectors / np.linalg.norm(vectors, axis=1, keepdims=True), front), tuple(lobes)

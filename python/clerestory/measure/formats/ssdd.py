@@ -141,7 +141,7 @@ class _Reader:
             return None
         ends = [k for k in (self._data.find(mark, self._at) for mark in (b"\n", b"\r")) if k >= 0]
         end = min(ends, default=len(self._data))
-        text = self._data[self._at : end].decode("utf-8", errors="replace").removeprefix("\ufeff")
+        text = self._data[self._at : end].decode("utf-8", errors="replace")
         self._at = end + (2 if self._data[end : end + 2] == b"\r\n" else 1)
         self._line += 1
         self._raw = text
@@ -161,7 +161,7 @@ class _Reader:
             if key == "data_type":
                 if value not in _TYPES:
                     raise FileFormatError(
-                        f"line {self._line}: DATA_TYPE {value[:40]!r} is not one of {', '.join(_TYPES)}"
+                        f"line {self._line}: DATA_TYPE {value[:40]!r} is not known ({', '.join(_TYPES)})"
                     )
                 block = _Block(self._line, *_TYPES[value])
             elif block is None:
@@ -181,7 +181,9 @@ class _Reader:
         place = f"line {self._line}"
         if key == "color_model":
             if value not in (*_COLOURS, "spectrum"):
-                raise FileFormatError(f"{place}: COLOR_MODEL {value[:40]!r} is not {', '.join(_COLOURS)} or spectrum")
+                raise FileFormatError(
+                    f"{place}: COLOR_MODEL {value[:40]!r} is not known ({', '.join(_COLOURS)}, spectrum)"
+                )
             block.channels = _COLOURS.get(value, ())
         elif key == "wavelength_list":
             waves = self._numbers(value, "wavelengths")
@@ -190,13 +192,15 @@ class _Reader:
             block.channels = tuple(f"{wave:.10g} nm" for wave in waves)
         elif key == "param_type":
             if value not in _LIMITS:
-                raise FileFormatError(f"{place}: PARAM_TYPE {value[:60]!r} is not {', '.join(k for k in _LIMITS if k)}")
+                raise FileFormatError(
+                    f"{place}: PARAM_TYPE {value[:60]!r} is not known ({', '.join(k for k in _LIMITS if k)})"
+                )
             block.parameters = value
         elif key == "reduction_type":
             block.reduced = tuple(value.lower().split())
             if not set(block.reduced) <= {"bilateral_symmetry", "reciprocity"}:
                 raise FileFormatError(
-                    f"{place}: REDUCTION_TYPE {value[:60]!r} is not bilateral_symmetry or reciprocity"
+                    f"{place}: REDUCTION_TYPE {value[:60]!r} is not known (bilateral_symmetry, reciprocity)"
                 )
         elif key in _PARAMETERS:
             angles = self._numbers(value, key.upper())
@@ -226,7 +230,9 @@ class _Reader:
             if k in block.lists and not (block.specular and k > 1):
                 within(block.lists[k], f"PARAM{k}_LIST", *limits, self._line)
         if 4 in block.lists and len(block.lists[4]) != len(block.lists[0]):
-            raise FileFormatError(f"line {self._line}: PARAM4_LIST has not as many offsets as PARAM0_LIST angles")
+            raise FileFormatError(
+                f"line {self._line}: PARAM4_LIST has not as many offsets as PARAM0_LIST angles (add them)"
+            )
         sizes = [len(block.lists[k]) if k in block.lists else 1 for k in ((0, 1) if block.specular else (0, 1, 2, 3))]
         shape = (*[*sizes, 1, 1][3::-1], len(block.channels))
         count = math.prod(shape)
@@ -240,7 +246,9 @@ class _Reader:
             values = np.frombuffer(self._data, dtype="<f4", count=count, offset=self._at).astype(np.float64)
             self._at += size
             if not (np.abs(values) <= 1e30).all():
-                raise FileFormatError(f"line {self._line}: the binary table below has values that are no numbers")
+                raise FileFormatError(
+                    f"line {self._line}: the binary table below has values that are no numbers (export it again)"
+                )
         elif mode == "ascii":
             values = self._ascii(count)
         else:
@@ -284,7 +292,7 @@ def _from_table(block: _Block, side: Side, source: Source) -> tuple[list[Scan], 
                 leaving = float(theta + offsets[t])
                 if not 0.0 <= leaving <= 90.0:
                     raise FileFormatError(
-                        f"block of line {block.line}: offset {offsets[t]:g}° of {theta:g}° leaves 0 to 90°"
+                        f"block of line {block.line}: offset {offsets[t]:g}° of {theta:g}° leaves 0 to 90° (correct it)"
                     )
                 theta_deg, phi_deg, above = from_specular(polars, azimuths[:, None], leaving, phi, side, block.scatter)
             else:

@@ -16,11 +16,11 @@ import numpy as np
 from clerestory._core import ClerestoryError, FileFormatError, read_table
 from clerestory.measure.contents import Contents
 from clerestory.measure.formats.choices import angle_of, one_of, quantity_of, sample_of, scatter_of
-from clerestory.measure.formats.frame import Frame, halves, wrapped
+from clerestory.measure.formats.frame import Frame, halves, signed
 from clerestory.measure.formats.header import HEAD, conditions_of, leading, lines_of, pair_of
 from clerestory.measure.formats.rows import grouped
 from clerestory.measure.formats.table_columns import WORDS, Column, columns_named, one_band, side_named
-from clerestory.measure.formats.table_writing import RESERVED, notes, write
+from clerestory.measure.formats.table_writing import RESERVED, write
 from clerestory.measure.scan import PURPOSES, Measurement, Scan
 from clerestory.measure.source import Source, digest
 from clerestory.measure.sphere import SphereValues
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["NAME", "notes", "read", "recognises", "write"]
+__all__ = ["NAME", "read", "recognises", "write"]
 
 NAME = "table of points (CSV)"
 
@@ -75,7 +75,7 @@ def _head(data: bytes, choices: Mapping[str, object]) -> _Head | None:
     words = [word.strip().strip('"') for word in (row.split(delimiter) if delimiter else row.split())]
     given = choices.get("columns") or {}
     if not isinstance(given, dict):
-        raise ClerestoryError("columns is a table of our names and the file's: {'theta_o': 'Winkel', ...}")
+        raise ClerestoryError("columns is not a table of names (give {'theta_o': 'Winkel', ...})")
     columns = columns_named(words, given)
     roles = {column.role for column in columns}
     if not {"theta_o", "value"} <= roles:
@@ -186,7 +186,7 @@ class _Table:
                     f"no column gives {role}, the incident angle (give {key}, or name it by `columns`)"
                 )
             found.append(value)
-        theta, phi = wrapped(np.array(found[:1]), np.array(found[1:]))
+        theta, phi = signed(np.array(found[:1]), np.array(found[1:]))
         return float(theta[0]), float(phi[0])
 
     def _light(self, group: dict[str, float]) -> tuple[Side, float, float, Frame, str]:
@@ -207,7 +207,7 @@ class _Table:
         azimuths = self._values("phi_o", chosen)
         if azimuths is None:
             raise FileFormatError("no column gives phi_o, the outgoing azimuth (name it by `columns`)")
-        theta, phi = wrapped(polar, azimuths[:, 0] * self._unit("phi_o"))
+        theta, phi = signed(polar, azimuths[:, 0] * self._unit("phi_o"))
         values, errors = cast("Floats", self._values("value", chosen)), self._values("error", chosen)
         for what, array in (("angle", theta), ("azimuth", phi), ("value", values)):
             if not np.isfinite(array).all():

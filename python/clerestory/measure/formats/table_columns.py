@@ -35,7 +35,7 @@ _NAMES: dict[str, str] = {
 _VALUE = re.compile(r"^(bsdf|brdf|btdf|dsf|signal|value|error)[ _:](.+)$", re.IGNORECASE)
 _COLOURS = ("X", "Y", "Z", "R", "G", "B", "visible", "solar", "nir")
 _WAVELENGTH = re.compile(r"^(\d+(?:\.\d+)?) ?nm$", re.IGNORECASE)
-_UNIT = re.compile(r"[ _]*[\[(]?\b_?(deg|degrees|°|rad|radians)[\])]?$", re.IGNORECASE)
+_UNIT = re.compile(r"(?:[\s_]+|(?=[\[(]))[\[(]?(degrees|deg|°|radians|rad)[\])]?$", re.IGNORECASE)
 _SIDES: dict[str, Side] = {"outside": "exterior", "exterior": "exterior", "inside": "interior", "interior": "interior"}
 
 

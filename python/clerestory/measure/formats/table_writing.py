@@ -65,8 +65,3 @@ def _written(sample: str, scans: list[Scan]) -> Iterator[bytes]:
             if scan.standard_errors is not None:
                 columns += list(scan.standard_errors[part].T)
             yield write_table([np.ascontiguousarray(column) for column in columns], ",", before)
-
-
-def notes(measurement: Measurement) -> list[str]:
-    """What the format cannot hold of a measurement: nothing."""
-    return []

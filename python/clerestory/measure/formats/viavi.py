@@ -41,10 +41,10 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
     """
     lines = lines_of(data)
     first = next((k for k, line in enumerate(lines) if line.strip() and not line.startswith("!!")), len(lines))
-    if first == len(lines):
-        raise FileFormatError(f"line {first}: no values after the header (is the file whole?)")
+    if first in (0, len(lines)):
+        raise FileFormatError(f"line {first + 1}: no header of !! before values (is the file whole?)")
     header = tuple(lines[:first])
-    title = next(line for line in header if line.strip()).removeprefix("!!")
+    title = next((line for line in header if line.strip()), "").removeprefix("!!")
     side, scatter = lit_side(choices), scatter_of(choices) or "transmission"
     conditions = {"laboratory": "RPC Photonics"} if "RPC Photonics" in title else {}
     dated = _DATE.search(title)

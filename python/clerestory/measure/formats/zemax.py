@@ -15,8 +15,10 @@ from clerestory._core import ClerestoryError, FileFormatError
 from clerestory.counts import counted
 from clerestory.measure.contents import Contents
 from clerestory.measure.formats.choices import ABOVE_DEG, lit_side, sample_of
-from clerestory.measure.formats.comments import conditions_of, one_line, pairs, stated
-from clerestory.measure.formats.regrid import angular_table, file_stem, specular_grid, table
+from clerestory.measure.formats.comments import conditions_of, pairs, stated
+from clerestory.measure.formats.header import one_line, writable
+from clerestory.measure.formats.names import plain
+from clerestory.measure.formats.regrid import angular_table, left_out, specular_grid, table
 from clerestory.measure.formats.specular import distinct, from_specular, seen_from
 from clerestory.measure.formats.tokens import Words, head_of, lines_of
 from clerestory.measure.scan import Measurement, Scan
@@ -183,7 +185,8 @@ def _blocks(words: Words, header: _Header) -> tuple[Floats, Floats]:
         if channel in found:
             raise FileFormatError(f"line {line}: a second block of {word} (keep one)")
         _expect(words, "DataBegin")
-        tables, totals = [], []
+        tables: list[Floats] = []
+        totals: list[float] = []
         for _ in range(outer[0] * outer[1]):
             _expect(words, "TIS")
             totals.append(words.number("total integrated scatter"))
@@ -195,8 +198,8 @@ def _blocks(words: Words, header: _Header) -> tuple[Floats, Floats]:
         raise FileFormatError(f"line {words.line}: no block of {', '.join(missing)} (is the file whole?)")
     shape = (*outer, len(header.azimuths), len(header.radials))
     values = [np.array(found[channel][0]).reshape(shape) for channel in header.channels]
-    totals = [np.array(found[channel][1]).reshape(outer) for channel in header.channels]
-    return np.stack(values, axis=-1), np.stack(totals, axis=-1)
+    scattered = [np.array(found[channel][1]).reshape(outer) for channel in header.channels]
+    return np.stack(values, axis=-1), np.stack(scattered, axis=-1)
 
 
 def _expect(words: Words, keyword: str) -> None:
@@ -241,6 +244,7 @@ def write(measurement: Measurement, **choices: object) -> dict[str, bytes]:
     """
     groups: dict[tuple[Side, Scatter, tuple[str, ...]], list[Scan]] = {}
     for scan in measurement.of():
+        writable(scan, NAME)
         bsdf = scan.as_bsdf()
         names = (bsdf.channels,) if set(bsdf.channels) == {"X", "Y", "Z"} else tuple((c,) for c in bsdf.channels)
         for channels in names:
@@ -253,10 +257,13 @@ def write(measurement: Measurement, **choices: object) -> dict[str, bytes]:
         words = [measurement.sample, side, kind.lower()]
         if len({names for s, t, names in groups if (s, t) == (side, scatter)}) > 1:
             words.append("".join(channels))
-        files[f"{file_stem('_'.join(words))}{SUFFIX}"] = _text(
-            measurement.sample, side, scatter, channels, scans
-        ).encode()
+        files[f"{plain('_'.join(words))}{SUFFIX}"] = _text(measurement.sample, side, scatter, channels, scans).encode()
     return files
+
+
+def notes(measurement: Measurement) -> list[str]:
+    """What the format cannot hold of a measurement."""
+    return left_out(measurement, NAME)
 
 
 def _text(sample: str, side: Side, scatter: Scatter, channels: tuple[str, ...], scans: Sequence[Scan]) -> str:
@@ -285,7 +292,8 @@ def _text(sample: str, side: Side, scatter: Scatter, channels: tuple[str, ...], 
     out += ["Source\tMeasured", f"Symmetry\t{symmetry}"]
     out.append(f"SpectralContent\t{'XYZ' if len(channels) == 3 else 'Monochrome'}")
     out.append(f"ScatterType\t{'BRDF' if scatter == 'reflection' else 'BTDF'}")
-    for (key, _, _), angles in zip(_ANGLES, (list(by_place), incidences, azimuths, radials), strict=True):
+    lists = (np.array(list(by_place)), np.array(incidences), azimuths, radials)
+    for (key, _, _), angles in zip(_ANGLES, lists, strict=True):
         out += [f"{key}\t{len(angles)}", "\t".join(f"{angle:.10g}" for angle in angles)]
     out.append("")
     for k, channel in enumerate(channels):

@@ -182,6 +182,10 @@ def _with(change: Callable[[float], float]) -> Callable[[Scan, float, float], An
     return moved
 
 
+def _with_exchanged(scan: Scan, theta: float, phi: float) -> Angles:
+    return (scan.incident_theta_deg, scan.incident_phi_deg), (phi % 360.0, theta)
+
+
 def _swapped(scan: Scan, theta: float, phi: float) -> Angles:
     return (scan.incident_phi_deg % 360.0, scan.incident_theta_deg), (phi % 360.0, theta)
 
@@ -191,7 +195,8 @@ _OTHERS: dict[str, Callable[[Scan, float, float], Angles]] = {
     "with incident azimuths of the light's way instead of the source's (turned by 180°)": _with(lambda p: p + 180.0),
     "with outgoing azimuths counted the other way round (mirrored left to right)": _with(lambda p: 180.0 - p),
     "with outgoing azimuths counted the other way round (mirrored up to down)": _with(lambda p: -p),
-    "with θ and φ exchanged": _swapped,
+    "with θ and φ of outgoing light exchanged": _with_exchanged,
+    "with all θ and φ exchanged": _swapped,
 }
 
 

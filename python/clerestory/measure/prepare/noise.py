@@ -28,7 +28,7 @@ FLOOR = 3.0
 """Standard deviations of the noise below which a single value says nothing."""
 NEGATIVE = 0.25
 """Share of negative values above which a scan is mostly noise, or its dark signal is wrong."""
-_ENOUGH = 20
+_NEARLY_HALF = 0.4
 _NEIGHBOURS = 6
 _LEAST_COSINE = 1e-3
 _MEDIAN_TO_SIGMA = 1.4826
@@ -89,32 +89,25 @@ def with_errors(measurement: Measurement, *, relative: float = 0.0) -> tuple[Mea
 def noise(scan: Scan, channel: str) -> float:
     """Standard deviation of the noise in DSF [1/sr].
 
-    From the scan's own standard errors in its darkest quarter; else from negative values, E[v² | v < 0] = σ² about a
-    true value of 0, where there are enough of them; else from how values in the darkest quarter differ from the mean of
-    their neighbours. A scan of fewer than 12 points has none that could be told: 0.
+    It is told where the scan is darkest, by the mean of each point's neighbours (a point that is dark itself may be so
+    by its noise): from the scan's own standard errors there; else from negative values, E[v² | v < 0] = σ² about a true
+    value of 0, where nearly half are negative; else from how points differ from the mean of their neighbours. A scan of
+    fewer than 12 points has none that could be told: 0.
     """
     cosine = _cosine(scan)
     dsf = scan.channel(channel) * cosine
-    dark = dsf <= np.quantile(dsf, 0.25)
-    if scan.standard_errors is not None:
-        return float(np.median((scan.standard_errors[:, scan.channels.index(channel)] * cosine)[dark]))
-    if len(scan) < 2 * _NEIGHBOURS:
+    places, first = np.unique(np.round(scan.outgoing, 9), axis=0, return_index=True)
+    if len(places) < 2 * _NEIGHBOURS:
         return 0.0
-    below = dsf[dsf < 0.0]
-    if len(below) >= _ENOUGH:
-        return float(np.sqrt(np.mean(below**2)))
-    return _roughness(scan.outgoing, dsf, dark)
-
-
-def _roughness(outgoing: Floats, dsf: Floats, chosen: NDArray[np.bool_]) -> float:
-    places, first = np.unique(np.round(outgoing, 9), axis=0, return_index=True)
-    if len(places) <= _NEIGHBOURS:
-        return 0.0
-    _, near = cKDTree(places).query(places, k=_NEIGHBOURS + 1)
     held = dsf[first]
-    off = (held - held[near[:, 1:]].mean(axis=1))[chosen[first]]
-    if len(off) == 0:
-        return 0.0
+    about = held[cKDTree(places).query(places, k=_NEIGHBOURS + 1)[1][:, 1:]].mean(axis=1)
+    dark = about <= np.quantile(about, 0.25)
+    if scan.standard_errors is not None:
+        return float(np.median((scan.standard_errors[:, scan.channels.index(channel)] * cosine)[first][dark]))
+    below = held[dark & (held < 0.0)]
+    if len(below) >= _NEARLY_HALF * dark.sum():
+        return float(np.sqrt(np.mean(below**2)))
+    off = (held - about)[dark]
     # A difference to the mean of n neighbours has 1 + 1/n times the variance of one value.
     spread = _MEDIAN_TO_SIGMA * float(np.median(np.abs(off - np.median(off))))
     return spread / float(np.sqrt(1.0 + 1.0 / _NEIGHBOURS))

@@ -25,6 +25,8 @@ LEVELS = (0.5, 1e-2, 1e-4)
 """Shares of the peak at which the width of a beam is told."""
 _PER_RING = 8
 """Points over which a ring of the profile is averaged."""
+_SLIVER = 60.0
+"""Cotangent of an angle of a triangle (1°) beyond which it is a sliver."""
 _OPEN = 0.02
 """Share of the peak at a beam scan's border above which the scan does not hold the whole beam."""
 
@@ -120,6 +122,13 @@ def in_time(scans: Sequence[Scan]) -> list[Scan]:
     return [scan for _, _, scan in sorted(zip(times, range(len(scans)), scans, strict=True))]
 
 
+def on_one_line(places: Floats) -> bool:
+    """Whether points of a plane (n, 2) lie on one line, to a thousandth of its length."""
+    x, y = (places - places.mean(axis=0)).T
+    a, b, c = float(x @ x), float(y @ y), float(x @ y)
+    return a * b - c * c <= 1e-6 * (0.5 * (a + b)) ** 2
+
+
 def _apart(a: Signature, b: Signature) -> float:
     def unit(s: Signature) -> Floats:
         theta, phi = np.radians([s.theta_deg, s.phi_deg])
@@ -170,13 +179,12 @@ def _width(radius: Floats, share: Floats, level: float) -> float | None:
 
 
 def _integral(outgoing: Floats, axis: Floats, values: Floats) -> float:
-    """∫ value dΩ: over triangles in Lambert's equal-area projection about the beam, or rings about a line's centre."""
+    """∫ value dΩ: over the places nearest to each point in Lambert's projection, or rings about a line's centre."""
     across = np.cross(axis, [0.0, 1.0, 0.0] if abs(axis[1]) < 0.9 else [1.0, 0.0, 0.0])
     across /= np.linalg.norm(across)
     plane = np.stack([outgoing @ across, outgoing @ np.cross(axis, across)], axis=1)
     plane *= np.sqrt(2.0 / np.maximum(1.0 + outgoing @ axis, 1e-9))[:, None]
-    spread = np.linalg.svd(plane - plane.mean(axis=0), compute_uv=False)
-    if spread[1] < 1e-3 * spread[0]:
+    if on_one_line(plane):
         along = np.linalg.norm(plane, axis=1)
         order = np.argsort(along)
         r = np.concatenate([[0.0], along[order]])
@@ -186,6 +194,24 @@ def _integral(outgoing: Floats, axis: Floats, values: Floats) -> float:
         triangles = Delaunay(plane).simplices
     except QhullError as error:
         raise ClerestoryError("the points of a beam scan make no triangles (check their angles)") from error
-    a = plane[triangles[:, 1]] - plane[triangles[:, 0]]
-    b = plane[triangles[:, 2]] - plane[triangles[:, 0]]
-    return float(np.sum(0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) * values[triangles].mean(axis=1)))
+    return float(np.sum(_voronoi(plane[triangles]) * values[triangles]))
+
+
+def _voronoi(corners: Floats) -> Floats:
+    """Shares of triangles (n, 3, 2) that lie nearest to each corner (n, 3).
+
+    On a square grid each point then stands for one cell, whichever way its squares were cut; thirds of triangles would
+    weigh points by how they were cut. Slivers, whose middle lies far off, are cut in thirds.
+    """
+    sides = np.roll(corners, -1, axis=1) - corners  # from each corner to the next
+    area = 0.5 * np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
+    squares = np.sum(sides**2, axis=2)
+    # The angle at a corner lies between the way to the next one and the way back to the one before.
+    cosines = -np.sum(sides * np.roll(sides, 1, axis=1), axis=2)
+    cotangents = cosines / np.maximum(2.0 * area, 1e-300)[:, None]
+    opposite = np.roll(cotangents, 1, axis=1)  # to the side from each corner to the next lies the corner before it
+    along = squares * opposite / 8.0
+    shares = along + np.roll(along, 1, axis=1)
+    sliver = np.abs(cotangents).max(axis=1) > _SLIVER
+    shares[sliver] = (area / 3.0)[sliver, None]
+    return np.asarray(shares)

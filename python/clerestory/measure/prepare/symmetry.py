@@ -312,7 +312,7 @@ def _areas(outgoing: Floats) -> Floats:
     """Area about each point by its distance to its third neighbour."""
     count = min(4, len(outgoing))
     far = cKDTree(outgoing).query(outgoing, k=count)[0][:, -1]
-    return np.maximum(np.asarray(far) ** 2, 1e-12)
+    return np.asarray(np.maximum(far**2, 1e-12))
 
 
 def _combined(pairs: Sequence[tuple[float, float, float, float]]) -> tuple[int, float, float, float]:

@@ -11,6 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from clerestory._core import ClerestoryError
 from clerestory.counts import counted
+from clerestory.measure.prepare.signature import on_one_line
 from clerestory.measure.prepare.step import Step, light_in_words, same_light, with_samples
 
 if TYPE_CHECKING:
@@ -141,11 +142,12 @@ def _within(fine: Scan, coarse: Scan) -> tuple[NDArray[np.bool_], Floats]:
     across /= np.linalg.norm(across)
     frame = np.stack([across, np.cross(axis, across)], axis=1)
     plane = fine.outgoing @ frame
-    spread = np.linalg.svd(plane - plane.mean(axis=0), compute_uv=False)
-    if spread[1] < 1e-3 * spread[0]:  # a line holds no area in which it could be denser
+    if on_one_line(plane):  # a line holds no area in which it could be denser
         return nothing
     try:
-        triangles = Delaunay(plane)
+        with threadpool_limits(1):  # LAPACK finds a triangle at a time, and its threads would only wait for each other
+            triangles = Delaunay(plane)
+            every_transform = triangles.transform
     except QhullError:
         return nothing
     corners = fine.outgoing[triangles.simplices]
@@ -160,8 +162,7 @@ def _within(fine: Scan, coarse: Scan) -> tuple[NDArray[np.bool_], Floats]:
     flat = np.ptp(held, axis=1) <= _FLAT * np.abs(held.mean(axis=1))
     usable = inside.copy()
     usable[inside] = flat[found[inside]]
-    with threadpool_limits(1):  # a triangle at a time: threads would only wait for each other
-        transform = triangles.transform[found[usable]]
+    transform = every_transform[found[usable]]
     two = np.einsum("nij,nj->ni", transform[:, :2], coarse.outgoing[usable] @ frame - transform[:, 2])
     weights = np.column_stack([two, 1.0 - two.sum(axis=1)])
     expected[usable] = np.einsum("nc,nc->n", held[found[usable]], weights)
