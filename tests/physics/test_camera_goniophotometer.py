@@ -179,7 +179,10 @@ def test_a_camera_that_sees_the_sample_itself(tmp_path):
     made = develop(Rig.of({**tables, "direct": {"view": view}, "incidences": [incidence]}))
     (scan,) = made.measurement.scans
     assert made.missing == 0
-    np.testing.assert_allclose(scan.values[:, 0], patch_means(lobe, exit_grid(5.0)), rtol=0.01)
+    # About the normal patches are as narrow as two pixels.
+    wide, expected = scan.theta_deg >= 15.0, patch_means(lobe, exit_grid(5.0))
+    np.testing.assert_allclose(scan.values[wide, 0], expected[wide], rtol=0.01)
+    np.testing.assert_allclose(scan.values[:, 0], expected, rtol=0.03)
     assert made.seams == ((),)
     assert made.measurement.warnings == ()
     # Too few pixels for the narrow patches about the normal are told.

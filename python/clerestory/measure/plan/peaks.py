@@ -1,8 +1,9 @@
 """Peaks found in a coarse scan, and fine paths over them.
 
 A peak is a point that is higher than all its neighbours, and higher than what lies around it by more than the noise
-there; and between it and a higher one there is a valley. What lies around is the median at some distance; the noise is that of the differences between points and the
-median of their neighbours, by median absolute deviation, so that neither peaks nor slopes count as noise.
+there; and between it and a higher one there is a valley. What lies around is the median at some distance; the noise is
+that of the differences between points and the median of their neighbours, by median absolute deviation, so that neither
+peaks nor slopes count as noise.
 """
 
 from __future__ import annotations
