@@ -166,4 +166,4 @@ def _number(text: str, option: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise UsageError(f"{option}: {text!r} is not a number") from None
+        raise UsageError(f"{option}: {text!r} is not a number (such as 80; see --help)") from None
