@@ -50,7 +50,9 @@ def mountain_text(points, theta_i, phi_i, *, up=90, sample="skew", kind="DSF", m
     return "\n".join([*head, *rows, ""])
 
 
-words = st.text(st.characters(codec="ascii", categories=("L", "N", "P", "S"), exclude_characters='"#:=\\,;'), max_size=12)
+words = st.text(
+    st.characters(codec="ascii", categories=("L", "N", "P", "S"), exclude_characters='"#:=\\,;'), max_size=12
+)
 
 
 @st.composite
@@ -91,7 +93,9 @@ def scans(draw, quantities=("bsdf", "dsf"), errors=False):
 def measurements(**kinds):
     """A sample with one to three scans."""
     names = words.map(str.strip).filter(bool)
-    return st.builds(lambda name, found: Measurement(name, tuple(found)), names, st.lists(scans(**kinds), min_size=1, max_size=3))
+    return st.builds(
+        lambda name, found: Measurement(name, tuple(found)), names, st.lists(scans(**kinds), min_size=1, max_size=3)
+    )
 
 
 def apart_deg(a, b):

@@ -413,3 +413,19 @@ def test_contents_of_several_samples(database):
     added = database.add(both)
     assert added.samples == ["a", "b"]
     assert added.warnings == ["b.txt: odd"]
+
+
+def test_files_that_tell_of_another_sample_of_that_name_are_odd(database):
+    def thick(name: str, millimetres: str) -> Contents:
+        conditions = {"thickness_mm": millimetres, "manufacturer": "Generic"}
+        return laboratory.contents(laboratory.scan(of=name, seed=len(name), conditions=conditions), sample="clear")
+
+    assert database.add(thick("3.txt", "3.05 mm")).warnings == []
+    assert database.add(thick("3-2.txt", "3.05")).warnings == []
+    added = database.add(thick("thick.txt", "5.7"))
+    assert added.warnings == [
+        "thick.txt: thickness_mm 5.7, and 3.05 of sample clear so far (--sample names another one)"
+    ]
+    assert added.scans == 1
+    assert database.measurement("clear").warnings == tuple(added.warnings)
+    assert database.sample("clear").thickness_mm == 3.05

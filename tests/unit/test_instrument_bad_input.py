@@ -1,5 +1,7 @@
 """Damaged files of optics programs and instruments: one line of error with its place and what to do."""
 
+import gzip
+import hashlib
 import re
 import struct
 import tracemalloc
@@ -9,6 +11,7 @@ import numpy as np
 import pytest
 
 import instrument_files as files
+from clerestory import measure
 from clerestory._core import ClerestoryError, FileFormatError
 from clerestory.measure.contents import Contents
 from clerestory.measure.formats import all_formats
@@ -58,12 +61,17 @@ def test_ends_of_lines_make_no_difference(kind, name):
 
 
 @pytest.mark.parametrize(("kind", "name"), TEXTS)
-def test_marks_of_utf_8_are_not_seen(kind, name):
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "gzip"])
+def test_encodings_and_packing_make_no_difference(kind, name, encoding, tmp_path):
     data = files.GOLDEN[kind][name]
-    for one, other in zip(
-        values_of(read(kind, data, name)), values_of(read(kind, b"\xef\xbb\xbf" + data, name)), strict=True
-    ):
+    packed = gzip.compress(data) if encoding == "gzip" else data.decode("utf-8").encode(encoding)
+    path = tmp_path / (f"{name}.gz" if encoding == "gzip" else name)
+    path.write_bytes(packed)
+    contents = measure.read(path)
+    for one, other in zip(values_of(read(kind, data, name)), values_of(contents), strict=True):
         np.testing.assert_array_equal(one, other)
+    sources = [s.source for m in contents.measurements for s in m.scans] + [v.source for v in contents.sphere_values]
+    assert {(s.name, s.sha256) for s in sources} == {(path.name, hashlib.sha256(packed).hexdigest())}
 
 
 def values_of(contents):

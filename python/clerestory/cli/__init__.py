@@ -44,6 +44,7 @@ _COMMANDS = (
 _GROUPS: dict[str, tuple[str, ...]] = {
     "measure": (
         "plan",
+        "camera",
         "import",
         "list",
         "show",
@@ -53,7 +54,7 @@ _GROUPS: dict[str, tuple[str, ...]] = {
         "calibrate",
         "export",
     ),
-    "system": ("build",),
+    "system": ("build", "rate"),
 }
 
 app = typer.Typer(

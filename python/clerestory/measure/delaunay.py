@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+
 class NoSurfaceError(ClerestoryError):
     """Points through which there is no surface: too few, or all on one line."""
 

@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from clerestory._core import ClerestoryError, FileFormatError, gunzip
+from clerestory._core import ClerestoryError, FileFormatError, UnsupportedError, gunzip
 from clerestory.files import named
 from clerestory.measure.contents import Contents
 from clerestory.measure.formats import FORMATS, UnknownFormatError, all_formats, table
@@ -83,10 +83,12 @@ def read(
             try:
                 parts.append(_read(inner, choices))
                 found += 1
-            except UnknownFormatError:
+            except (UnknownFormatError, UnsupportedError) as error:
                 if strict:
                     raise
-                parts.append(Contents(warnings=(f"{inner.relative_to(path)}: no measurement, left out",)))
+                known = isinstance(error, UnsupportedError)
+                why = str(error).removeprefix(f"{inner}: ") if known else "no measurement, left out"
+                parts.append(Contents(warnings=(f"{inner.relative_to(path)}: {why}",)))
         if not found:
             raise ClerestoryError(f"{path}: no measurement in the folder (`docs/measurements.md` lists the formats)")
     return Contents.together(parts)
@@ -117,7 +119,9 @@ def read_bytes(packed: bytes, name: str, **choices: object) -> Contents:
         if not packed[:HEAD].strip(_NOTHING) and not packed.strip(_NOTHING):
             raise UnknownFormatError("the file is empty, or nothing but blanks and zeros (get it again)")
         data = _text(gunzip(packed) if packed.startswith(_GZIP) else packed)
-        chosen = next((f for f in all_formats() if f.recognises(data, name)), None)
+        # What the suffix before tells, it tells of the packed file, too.
+        inner = name[:-3] if data is not packed and name.lower().endswith(".gz") else name
+        chosen = next((f for f in all_formats() if f.recognises(data, inner)), None)
         if chosen is None and table.readable(data, choices):
             chosen = table
         if chosen is None:
@@ -125,8 +129,8 @@ def read_bytes(packed: bytes, name: str, **choices: object) -> Contents:
                 "no format of measurements is recognised (docs/measurements.md lists them; a table with other names of "
                 "columns needs `columns`)"
             )
-        contents = chosen.read(data, name, **choices)
-    return contents if data is packed else _sourced(contents, digest(packed))
+        contents = chosen.read(data, inner, **choices)
+    return contents if data is packed else _sourced(contents, name, digest(packed))
 
 
 def _read(path: Path, choices: Mapping[str, object]) -> Contents:
@@ -149,11 +153,11 @@ def _text(data: bytes) -> bytes:
     return data[len(_MARK) :] if data.startswith(_MARK) else data
 
 
-def _sourced(contents: Contents, sha256: str) -> Contents:
-    """With the mark of the file's bytes as they lie on the disk."""
+def _sourced(contents: Contents, name: str, sha256: str) -> Contents:
+    """With the name and the mark of the file's bytes as they lie on the disk."""
 
     def marked(source: Source | None) -> Source | None:
-        return None if source is None else replace(source, sha256=sha256)
+        return None if source is None else replace(source, name=name, sha256=sha256)
 
     return Contents(
         tuple(

@@ -118,9 +118,7 @@ def draw_triangles(
     ax.add_collection3d(faces)
 
 
-def _lit(
-    ax: Axes3D, values: NDArray[np.float64], normals: NDArray[np.float64], norm: Normalize
-) -> NDArray[np.float64]:
+def _lit(ax: Axes3D, values: NDArray[np.float64], normals: NDArray[np.float64], norm: Normalize) -> NDArray[np.float64]:
     """Colours (..., 4) of faces with values (...) and normals (..., 3) as they are drawn."""
     length = np.linalg.norm(normals, axis=-1, keepdims=True)
     normals = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0.0)

@@ -142,7 +142,8 @@ def _file(
     except UnknownFormatError as error:
         if not of_folder:
             raise
-        return Added(warnings=[f"{error}; left out"])
+        what = str(error).removeprefix(f"{path}: ").partition(" (")[0]
+        return Added(warnings=[f"{path}: {what}; left out"])
     with about(path):
         return database.add(contents, sample=sample, conditions=conditions, choices=choices, originals=[path])
 

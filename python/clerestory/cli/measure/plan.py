@@ -31,7 +31,8 @@ if TYPE_CHECKING:
 
 def plan(
     job: Annotated[
-        Path | None, typer.Argument(metavar="[PLAN]", help="TOML file with the job; or use options.", show_default=False)
+        Path | None,
+        typer.Argument(metavar="[PLAN]", help="TOML file with the job; or use options.", show_default=False),
     ] = None,
     *,
     output: Annotated[
@@ -148,12 +149,6 @@ def _job(path: Path | None, options: dict[str, Any]) -> Any:  # noqa: ANN401 (a 
 
 
 def _show(made: Plan) -> None:
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
-    from clerestory.measure.plan.extent import lit_width_mm
-
     extent = made.extent
     say(f"{made.instrument.name}: {made.job.sample.name}, {made.job.purpose}")
     say(f"  way      {made.route.why}")
@@ -164,19 +159,14 @@ def _show(made: Plan) -> None:
     positions = f" at {made.route.positions} positions" if made.route.positions > 1 else ""
     say(f"  time     {at_least}{made.hours:.1f} h for {directions}{positions}")
     say(f"  largest  {extent.largest_theta_deg:.1f}° of incidence, by the {extent.limited_by}")
-    shown = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    shown.add_column("from")
-    shown.add_column("θ [°]", justify="right")
-    shown.add_column("φ [°]")
-    shown.add_column("lit [mm]", justify="right")
     rings: dict[tuple[str, float], list[float]] = {}
     for side, theta, phi in made.incident:
         rings.setdefault((side, theta), []).append(phi)
-    for (side, theta), azimuths in rings.items():
-        width = extent.spot_mm if made.instrument.aperture_on_sample else lit_width_mm(extent.spot_mm, theta)
-        shown.add_row(side, f"{theta:g}", " ".join(f"{phi:g}" for phi in azimuths), f"{width:.0f}")
-    # Words of a console, not of a terminal of some width: a table that is cut off says nothing.
-    Console(width=110).print(shown)
+    rows = [
+        [side, f"{theta:g}", f"{extent.lit_mm(theta):.0f}", " ".join(f"{phi:g}" for phi in azimuths)]
+        for (side, theta), azimuths in rings.items()
+    ]
+    say(table(["from", "θ [°]", "lit [mm]", "φ [°]"], rows, left=4))
     kinds: dict[tuple[str, str], list[int]] = {}
     for planned in made.paths:
         kinds.setdefault((planned.scatter, planned.path.kind), []).append(len(planned.path))
@@ -242,11 +232,7 @@ def _scans_from(scans: list[Scan], asked: tuple[float, float], path: Path) -> li
 
     from clerestory.directions import direction
 
-    kept = [
-        s
-        for s in scans
-        if float(s.incident @ direction(*asked, side=s.incident_side)) > np.cos(np.radians(0.5))
-    ]
+    kept = [s for s in scans if float(s.incident @ direction(*asked, side=s.incident_side)) > np.cos(np.radians(0.5))]
     if not kept:
         there = ", ".join(f"{s.incident_theta_deg:g},{s.incident_phi_deg:g}" for s in scans[:8])
         raise UsageError(f"{path}: no scan of light from {asked[0]:g},{asked[1]:g} (there are {there})")

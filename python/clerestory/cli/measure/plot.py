@@ -142,6 +142,4 @@ def _fitting(samples: dict[str, Sequence[Scan]], *, many: bool) -> str:
 def _refuse_useless(kind: str, given: dict[str, tuple[bool, tuple[str, ...]]]) -> None:
     for option, (present, kinds) in given.items():
         if present and kind not in kinds:
-            raise UsageError(
-                f"{option}: has no effect on --kind {kind} (leave it out, or take {' or '.join(kinds)})"
-            )
+            raise UsageError(f"{option}: has no effect on --kind {kind} (leave it out, or take {' or '.join(kinds)})")

@@ -43,7 +43,9 @@ class Location:
     """Of a SQLite file."""
 
     def __str__(self) -> str:
-        return self.url.render_as_string(hide_password=True) if self.path is None else str(self.path)
+        if self.path is not None:
+            return str(self.path)
+        return self.url.set(drivername="postgresql").render_as_string(hide_password=True)
 
     def exists(self) -> bool:
         """Whether there is something; a server is asked when it is opened."""

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 KEPT_BYTES = 64 << 20
 """Files up to this size are kept as they were, so that a later version can read them again."""
 
+_TELL_APART = ("manufacturer", "thickness_mm")
 _ABOUT_SAMPLES = ("manufacturer", "description", "symmetry", "thickness_mm")
 _SETTINGS = ("lamp", "detector", "filters", "spot_mm", "source_cone_deg", "detector_cone_deg")
 
@@ -81,7 +82,8 @@ class Incoming:
         self._originals = originals
         self._files: dict[str, int | None] = {}  # number of each file by its hash; none where it was there before
         self._runs: dict[tuple[str | None, ...], int] = {}
-        self._samples: dict[str, int] = {}
+        self._samples: dict[str, tuple[int, dict[str, Any]]] = {}
+        self.odd: list[str] = []
 
     @property
     def new_files(self) -> list[int]:
@@ -157,7 +159,7 @@ class Incoming:
             file = self._file(item.source)
             if file is None:
                 return None
-        owner = self._sample(sample, item.conditions)
+        owner = self._sample(sample, item)
         there = (
             select(tables.files.c.name)
             .select_from(table.outerjoin(tables.files))
@@ -200,17 +202,27 @@ class Incoming:
             self._added.files.append(source.name)
         return self._files[source.sha256]
 
-    def _sample(self, name: str, conditions: Mapping[str, str]) -> int:
+    def _sample(self, name: str, item: Scan | SphereValues) -> int:
         """The number of a sample; what files say of it is written where nothing is known yet."""
         if name not in self._samples:
             number = self._database.describe_sample(name)
-            self._samples[name] = number
             asked = select(*(tables.samples.c[key] for key in _ABOUT_SAMPLES)).where(tables.samples.c.id == number)
-            now = self._rows.connection.execute(asked).mappings().one()
-            said = {key: conditions[key] for key in _ABOUT_SAMPLES if now[key] is None and conditions.get(key)}
-            fields: dict[str, Any] = {k: _number(text) if k.endswith("_mm") else text for k, text in said.items()}
-            self._database.describe_sample(name, **{k: v for k, v in fields.items() if v is not None})
-        return self._samples[name]
+            self._samples[name] = (number, dict(self._rows.connection.execute(asked).mappings().one()))
+        number, known = self._samples[name]
+        said = {key: item.conditions.get(key) for key in _ABOUT_SAMPLES}
+        fields: dict[str, Any] = {k: _number(text) if k.endswith("_mm") else text for k, text in said.items()}
+        new = {key: value for key, value in fields.items() if value and known[key] is None}
+        if new:
+            known |= new
+            self._database.describe_sample(name, **new)
+        for key in _TELL_APART:
+            if fields[key] and fields[key] != known[key]:
+                text = (
+                    f"{'' if item.source is None else f'{item.source.name}: '}{key} {fields[key]}, and {known[key]} of "
+                    f"sample {name} so far (--sample names another one)"
+                )
+                self.odd += [] if text in self.odd else [text]
+        return number
 
     def _run(self, conditions: Mapping[str, str]) -> int:
         """The number of the run: all of a laboratory's day with one person and one configuration."""

@@ -69,7 +69,8 @@ class Writing(Reading):
             for values in contents.sphere_values:
                 incoming.sphere(sample or values.sample, replace(values, conditions={**values.conditions, **about}))
             if added.samples:
-                self._warn(contents.warnings, incoming.new_files, added.samples)
+                self._warn([*contents.warnings, *incoming.odd], incoming.new_files, added.samples)
+            added.warnings += incoming.odd
         return added
 
     def has_file(self, sha256: str) -> bool:

@@ -1,28 +1,21 @@
-"""Conditions in the comments and headers of files: lines of `key: value`."""
+"""Conditions in the comments and headers of optics programs: lines of `key: value`."""
 
 from __future__ import annotations
 
 import re
 from typing import TYPE_CHECKING
 
+from clerestory.measure.formats.header import condition_key
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
 _MEANINGS = {
     "scatterometer": "instrument",
-    "instrument": "instrument",
-    "device": "instrument",
-    "light source": "lamp",
-    "lamp": "lamp",
-    "date": "date",
     "date(s) measured": "date",
     "point of contact": "operator",
-    "operator": "operator",
-    "laboratory": "laboratory",
-    "manufacturer": "manufacturer",
-    "description": "description",
 }
-"""Words of files for the keys of `clerestory.measure.scan.CONDITIONS`."""
+"""More words for the keys of `clerestory.measure.scan.CONDITIONS`."""
 
 _PAIR = re.compile(r"^[\s#;!'-]*([^:]{1,80}?)\s*:\s*(\S.*?)\s*$")
 _WAVELENGTH = re.compile(r"(\d{3,5}(?:\.\d+)?) ?nm\b")
@@ -42,7 +35,9 @@ def pairs(lines: Iterable[str]) -> dict[str, str]:
 def conditions_of(stated: Mapping[str, str]) -> dict[str, str]:
     """What pairs say of the measurement, by the keys of `CONDITIONS` where known, and the wavelength of the lamp."""
     conditions = {
-        _MEANINGS.get(key.lower(), key): value for key, value in stated.items() if key.lower() not in _RESERVED
+        _MEANINGS.get(key.lower()) or condition_key(key): value
+        for key, value in stated.items()
+        if key.lower() not in _RESERVED
     }
     if "wavelength_nm" not in conditions:
         named = _WAVELENGTH.search(conditions.get("lamp", ""))
@@ -54,8 +49,3 @@ def conditions_of(stated: Mapping[str, str]) -> dict[str, str]:
 def stated(pairs_of_file: Mapping[str, str], key: str) -> str:
     """The value of a key in any case of letters, or nothing."""
     return next((value for name, value in pairs_of_file.items() if name.lower() == key), "")
-
-
-def one_line(text: str) -> str:
-    """A text that cannot break a line of a header."""
-    return " ".join(text.split())

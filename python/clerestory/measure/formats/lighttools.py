@@ -16,8 +16,10 @@ from clerestory.directions import SIDES
 from clerestory.measure.contents import Contents
 from clerestory.measure.formats import reflectances
 from clerestory.measure.formats.choices import ABOVE_DEG, lit_side, sample_of
-from clerestory.measure.formats.comments import conditions_of, one_line, pairs, stated
-from clerestory.measure.formats.regrid import absolute_grid, file_stem, table, whole
+from clerestory.measure.formats.comments import conditions_of, pairs, stated
+from clerestory.measure.formats.header import one_line, writable
+from clerestory.measure.formats.names import plain
+from clerestory.measure.formats.regrid import absolute_grid, left_out, table, whole
 from clerestory.measure.formats.specular import HORIZON, distinct, seen_from
 from clerestory.measure.formats.tokens import Words, head_of, lines_of
 from clerestory.measure.scan import Measurement, Scan
@@ -247,6 +249,8 @@ def write(measurement: Measurement, **choices: object) -> dict[str, bytes]:
     ClerestoryError
         There are no scans of a sample, a signal is not prepared, or a direction is there twice.
     """
+    for scan in measurement.of():
+        writable(scan, NAME)
     scans = [whole(scan.as_bsdf()) for scan in measurement.of()]
     if not scans:
         raise ClerestoryError(f"no scan of the sample {measurement.sample} to write (prepare it first)")
@@ -293,13 +297,18 @@ def write(measurement: Measurement, **choices: object) -> dict[str, bytes]:
     out += ["Symmetry Asymmetric", f"SpectralContent {'XYZ' if colour else 'Monochrome'}"]
     for key_of, angles in (("ScatterAzimuth", azimuths), ("ScatterRadial", polars)):
         out += [f"{key_of} {len(angles)}", " ".join(f"{angle:.10g}" for angle in angles)]
-    stem = file_stem(measurement.sample)
+    stem = plain(measurement.sample)
     files = {f"{stem}{SUFFIX}": ("\n".join([*out, "DataBegin", *blocks, "DataEnd"]) + "\n").encode()}
     for side in SIDES:
         rows = reflectances.text(side, totals)
         if rows:
             files[f"{stem}_{side}_RTfile.txt"] = rows.encode()
     return files
+
+
+def notes(measurement: Measurement) -> list[str]:
+    """What the format cannot hold of a measurement."""
+    return left_out(measurement, NAME)
 
 
 def _plane(scan: Scan) -> float:

@@ -62,7 +62,7 @@ _CONVENTION = "front is the exterior, back the interior; wavelengths in micromet
 
 def recognises(data: bytes, name: str) -> bool:
     """Whether it is JSON that names one of the database's parts."""
-    start = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
+    start = data[:64].lstrip()
     return start.startswith(b"{") and any(
         key in data
         for key in (b'"spectral_data"', b'"optical_properties"', b'"measured_data"', b'"physical_properties"')
@@ -87,7 +87,7 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
         It is no JSON, or a spectrum holds what is no number or no share of the light.
     """
     try:
-        product = json.loads(data.decode("utf-8-sig"))
+        product = json.loads(data.decode("utf-8"))
     except UnicodeDecodeError as error:
         raise FileFormatError(f"byte {error.start} is not UTF-8 (save it so)") from error
     except json.JSONDecodeError as error:

@@ -78,13 +78,12 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
     for begin, at, end in tables:
         keys = pairs(lines[begin:at])
         sample = sample_of(choices, name, stated(keys, "name / comment"))
-        samples.setdefault(sample, []).append(_scan(lines, begin, at, end, keys, side, source, choices))
+        samples.setdefault(sample, []).append(_scan(lines, at, end, keys, side, source, choices))
     return Contents(tuple(Measurement(sample, tuple(scans)) for sample, scans in samples.items()))
 
 
 def _scan(
     lines: list[str],
-    begin: int,
     at: int,
     end: int,
     keys: Mapping[str, str],

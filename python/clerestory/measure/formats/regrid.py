@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from clerestory._core import ClerestoryError
+from clerestory.counts import counted
 from clerestory.directions import direction
 from clerestory.measure.formats.specular import seen_from, to_specular
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from clerestory.measure.scan import Scan
+    from clerestory.measure.scan import Measurement, Scan
 
     Floats = NDArray[np.float64]
 
@@ -219,6 +219,12 @@ def _in_half(azimuth_deg: Floats) -> NDArray[np.bool_]:
     return (azimuth_deg <= 180.0 + _PLANE_DEG) | (azimuth_deg >= 360.0 - _PLANE_DEG)
 
 
-def file_stem(words: str) -> str:
-    """A name that every file system takes."""
-    return re.sub(r"[^\w.-]+", "_", words).strip("._") or "sample"
+def left_out(measurement: Measurement, format_name: str) -> list[str]:
+    """What tables of a format cannot hold of a measurement, in words."""
+    errors = sum(scan.standard_errors is not None for scan in measurement.of())
+    others = len(measurement.scans) - len(measurement.of())
+    return [
+        f"{what} of {counted(count, 'scan')} left out: {format_name} has no place for them"
+        for what, count in (("standard errors", errors), ("the beam or the dark", others))
+        if count
+    ]

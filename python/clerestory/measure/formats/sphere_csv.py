@@ -16,7 +16,8 @@ import numpy as np
 from clerestory._core import ClerestoryError, FileFormatError
 from clerestory.measure.contents import Contents
 from clerestory.measure.formats.choices import lit_side, sample_of, scatter_of
-from clerestory.measure.formats.comments import conditions_of, one_line, pairs
+from clerestory.measure.formats.comments import conditions_of, pairs
+from clerestory.measure.formats.header import one_line
 from clerestory.measure.formats.sphere_columns import BANDS, COLLECTED, SCATTERS, SIDES, Column, column
 from clerestory.measure.formats.tokens import lines_of, number
 from clerestory.measure.source import Source, digest

@@ -141,7 +141,7 @@ class _Reader:
             return None
         ends = [k for k in (self._data.find(mark, self._at) for mark in (b"\n", b"\r")) if k >= 0]
         end = min(ends, default=len(self._data))
-        text = self._data[self._at : end].decode("utf-8", errors="replace").removeprefix("\ufeff")
+        text = self._data[self._at : end].decode("utf-8", errors="replace")
         self._at = end + (2 if self._data[end : end + 2] == b"\r\n" else 1)
         self._line += 1
         self._raw = text

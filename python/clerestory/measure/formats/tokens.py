@@ -9,6 +9,7 @@ import numpy as np
 
 from clerestory._core import FileFormatError
 from clerestory.counts import counted
+from clerestory.measure.formats import header
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,11 +20,10 @@ LARGEST = 1e30
 """Numbers beyond this are no measured values."""
 
 _HEAD = 4096
-_BYTE_ORDER_MARKS = ((b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"), (b"\xef\xbb\xbf", "utf-8-sig"))
 
 
 def lines_of(data: bytes) -> list[str]:
-    """Lines of a text that ends them with LF, CR LF or CR, in UTF-8, UTF-16 with its mark, or Windows' Western letters.
+    """Lines of a text that ends them with LF, CR LF or CR.
 
     Raises
     ------
@@ -32,17 +32,10 @@ def lines_of(data: bytes) -> list[str]:
     """
     if not data.strip():
         raise FileFormatError("the file is empty (export it again)")
-    encoding = next((name for mark, name in _BYTE_ORDER_MARKS if data.startswith(mark)), "utf-8")
-    if encoding != "utf-16" and b"\0" in data:
+    if b"\0" in data:
         place = data.index(b"\0")
         raise FileFormatError(f"byte {place} is 0, which no text has (export it as text)")
-    try:
-        text = data.decode(encoding)
-    except UnicodeDecodeError as error:
-        if encoding != "utf-8":
-            raise FileFormatError(f"byte {error.start} is not {encoding.upper()} text (save it as UTF-8)") from error
-        text = data.decode("cp1252", errors="replace")
-    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    return header.lines_of(data)
 
 
 def head_of(data: bytes) -> list[str]:

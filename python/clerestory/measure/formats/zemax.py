@@ -15,8 +15,10 @@ from clerestory._core import ClerestoryError, FileFormatError
 from clerestory.counts import counted
 from clerestory.measure.contents import Contents
 from clerestory.measure.formats.choices import ABOVE_DEG, lit_side, sample_of
-from clerestory.measure.formats.comments import conditions_of, one_line, pairs, stated
-from clerestory.measure.formats.regrid import angular_table, file_stem, specular_grid, table
+from clerestory.measure.formats.comments import conditions_of, pairs, stated
+from clerestory.measure.formats.header import one_line, writable
+from clerestory.measure.formats.names import plain
+from clerestory.measure.formats.regrid import angular_table, left_out, specular_grid, table
 from clerestory.measure.formats.specular import distinct, from_specular, seen_from
 from clerestory.measure.formats.tokens import Words, head_of, lines_of
 from clerestory.measure.scan import Measurement, Scan
@@ -242,6 +244,7 @@ def write(measurement: Measurement, **choices: object) -> dict[str, bytes]:
     """
     groups: dict[tuple[Side, Scatter, tuple[str, ...]], list[Scan]] = {}
     for scan in measurement.of():
+        writable(scan, NAME)
         bsdf = scan.as_bsdf()
         names = (bsdf.channels,) if set(bsdf.channels) == {"X", "Y", "Z"} else tuple((c,) for c in bsdf.channels)
         for channels in names:
@@ -254,10 +257,13 @@ def write(measurement: Measurement, **choices: object) -> dict[str, bytes]:
         words = [measurement.sample, side, kind.lower()]
         if len({names for s, t, names in groups if (s, t) == (side, scatter)}) > 1:
             words.append("".join(channels))
-        files[f"{file_stem('_'.join(words))}{SUFFIX}"] = _text(
-            measurement.sample, side, scatter, channels, scans
-        ).encode()
+        files[f"{plain('_'.join(words))}{SUFFIX}"] = _text(measurement.sample, side, scatter, channels, scans).encode()
     return files
+
+
+def notes(measurement: Measurement) -> list[str]:
+    """What the format cannot hold of a measurement."""
+    return left_out(measurement, NAME)
 
 
 def _text(sample: str, side: Side, scatter: Scatter, channels: tuple[str, ...], scans: Sequence[Scan]) -> str:

@@ -35,6 +35,12 @@ class Extent:
     """Largest angle of incidence at which the spot stays on the sample, and that the instrument reaches [°]."""
     limited_by: str
     """`sample` or `instrument`: what ends the incident angles."""
+    grows: bool
+    """Whether the spot grows with the angle of incidence; an aperture on the sample does not."""
+
+    def lit_mm(self, theta_deg: float) -> float:
+        """Length [mm] of the lit patch along the plane of incidence."""
+        return lit_width_mm(self.spot_mm, theta_deg) if self.grows else self.spot_mm
 
 
 def lit_width_mm(spot_mm: float, theta_deg: float) -> float:
@@ -76,6 +82,7 @@ def extent_of(piece: Piece, instrument: Instrument) -> Extent:
         covers_periods(piece.period_mm, spot),
         limit,
         "sample" if fits < instrument.largest_theta_deg else "instrument",
+        not instrument.aperture_on_sample,
     )
 
 

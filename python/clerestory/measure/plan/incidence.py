@@ -77,7 +77,9 @@ def steps(piece: Piece, largest_deg: float, *, azimuth_step_deg: float = AZIMUTH
     return made
 
 
-def subset(name: Directions, symmetry: Symmetry, largest_deg: float, side: Side = "exterior") -> list[tuple[float, float]]:
+def subset(
+    name: Directions, symmetry: Symmetry, largest_deg: float, side: Side = "exterior"
+) -> list[tuple[float, float]]:
     """Centres of the patches of a basis that symmetry leaves to be measured, as polar angles and azimuths [°].
 
     For an isotropic sample, one patch of each ring. Patches beyond the largest angle are left out.

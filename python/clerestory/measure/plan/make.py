@@ -73,7 +73,9 @@ def make_plan(job: Job, instrument: Instrument) -> Plan:
             found = subset(job.directions, measured.symmetry, extent.largest_theta_deg, incident_side)
         incident += [(incident_side, theta, phi) for theta, phi in found]
     seen = [s for s in dict.fromkeys(job.scatter) if s in instrument.scatter]
-    paths = _paths(job, instrument, incident, seen, prismatic=measured.prismatic) if instrument.kind == "scanning" else []
+    paths = (
+        _paths(job, instrument, incident, seen, prismatic=measured.prismatic) if instrument.kind == "scanning" else []
+    )
     hours = len(incident) * route.positions * instrument.minutes_an_incidence / 60.0
     words = advice_of(job.model_copy(update={"sample": measured}), instrument, extent, route)
     return Plan(job, instrument, extent, route, tuple(incident), tuple(paths), hours, words)
@@ -110,12 +112,12 @@ def _paths(
                     beam = circle_path(
                         continued(toward, scatter), radius_deg=2.0 * instrument.resolution_deg, step_deg=fine
                     )
-                    made.append(
-                        PlannedPath(n, scatter, without_source(beam, toward, side, instrument.shield_deg))
-                    )
+                    made.append(PlannedPath(n, scatter, without_source(beam, toward, side, instrument.shield_deg)))
                 if prismatic:
                     band = in_band_path(
-                        toward, leaving, half_width_deg=2.0 * instrument.resolution_deg,
+                        toward,
+                        leaving,
+                        half_width_deg=2.0 * instrument.resolution_deg,
                         step_deg=0.5 * instrument.resolution_deg,
                     )
                     made.append(PlannedPath(n, scatter, without_source(band, toward, side, instrument.shield_deg)))

@@ -31,10 +31,12 @@ if TYPE_CHECKING:
 
 SIGMAS = 7.0
 """Height over the noise: of 10⁵ points of Gaussian noise not one in 10⁶ scans has one so high."""
-CONTRAST = 1.3
-"""Height over what lies around; slopes of wide lobes are lower."""
-_INNER_DEG, _OUTER_DEG = 8.0, 22.0
+CONTRAST = 1.5
+"""Height over what lies around; the tops of lobes that a coarse scan resolves are lower."""
+_INNER_DEG, _OUTER_DEG = 6.0, 15.0
 """What lies around a peak is between these distances."""
+_RESOLVED = 5
+"""Points above a tenth of a peak's height that say how wide it is."""
 _APART_DEG = 3.0
 """Of two peaks closer than this the higher counts."""
 
@@ -56,7 +58,7 @@ class FoundPeak:
     width_deg: float
     """Width at half height [°], or the distance of the points where that is larger."""
     resolved: bool
-    """Whether at least four points lie above half of its height."""
+    """Whether enough points lie on its flanks to say how wide it is."""
 
 
 def find_peaks(
@@ -144,18 +146,16 @@ def _peak(
     sigmas: float,
     scan: Scan,
 ) -> FoundPeak:
-    within = near[away < _INNER_DEG]
-    above = within[dsf[within] - around > 0.5 * (dsf[n] - around)]
-    # Those in one piece with the top: a second peak beside it is not.
-    above = above[np.degrees(np.arccos(np.clip(toward[above] @ toward[n], -1.0, 1.0))) <= _APART_DEG]
-    weights = dsf[above] - around
-    centre = (toward[above] * weights[:, None]).sum(axis=0)
-    theta, phi = angles(centre)
-    inner = np.sort(np.degrees(np.arccos(np.clip(toward[within] @ toward[n], -1.0, 1.0))))
-    spacing = float(inner[1]) if len(inner) > 1 else _INNER_DEG
-    spread = np.degrees(np.arccos(np.clip(toward[above] @ toward[n], -1.0, 1.0)))
-    resolved = len(above) >= 4
-    width = max(2.0 * float(spread.max()), spacing) if resolved else max(spacing, 2.0 * float(spread.max()))
+    inside = near[away < _INNER_DEG]
+    spacing = float(np.sqrt(np.pi * _INNER_DEG**2 / len(inside)))
+    height = dsf[inside] - around
+    kept = inside[height > 0.1 * (dsf[n] - around)]
+    middle, width = _gaussian(toward[kept], np.log(dsf[kept] - around), toward[n])
+    resolved = len(kept) >= _RESOLVED and width > 0.0
+    if not resolved or float(middle @ toward[n]) < np.cos(np.radians(spacing)):
+        middle = toward[n]
+    theta, phi = angles(middle)
+    width = width if resolved else spacing
     return FoundPeak(
         scan.side,
         float(theta),
@@ -163,9 +163,22 @@ def _peak(
         float(bsdf[n]),
         around / float(toward[n, 2]),
         sigmas,
-        width,
+        float(width),
         resolved,
     )
+
+
+def _gaussian(toward: Floats, logs: Floats, top: Floats) -> tuple[Floats, float]:
+    """Middle (3,) and width at half height [°] of a round Gaussian by least squares; a width of 0 if it has none."""
+    aside = np.array([1.0, 0.0, 0.0]) if abs(top[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
+    right = np.cross(aside, top) / np.linalg.norm(np.cross(aside, top))
+    up = np.cross(top, right)
+    x, y = toward @ right, toward @ up
+    a, _, rank, _ = np.linalg.lstsq(np.column_stack([np.ones(len(x)), x, y, -0.5 * (x**2 + y**2)]), logs, rcond=None)
+    if rank < 4 or a[3] <= 0.0:
+        return top, 0.0
+    middle = top + (a[1] * right + a[2] * up) / a[3]
+    return middle / np.linalg.norm(middle), float(np.degrees(np.sqrt(8.0 * np.log(2.0) / a[3])))
 
 
 def fine_paths(

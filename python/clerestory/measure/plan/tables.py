@@ -1,4 +1,4 @@
-"""A plan as files: incident directions and paths as CSV, all of it as JSON, the job as TOML."""
+"""A plan as files: incident directions and paths as CSV, all of it as JSON."""
 
 from __future__ import annotations
 
@@ -55,10 +55,8 @@ def as_json(plan: Plan) -> dict[str, Any]:
 
 def incident_csv(plan: Plan) -> str:
     """Number, side, polar angle, azimuth and length of the spot of each incident direction."""
-    from clerestory.measure.plan.extent import lit_width_mm
-
     rows = [
-        (n, side, f"{theta:g}", f"{phi:g}", f"{lit_width_mm(plan.extent.spot_mm, theta):.1f}")
+        (n, side, f"{theta:g}", f"{phi:g}", f"{plan.extent.lit_mm(theta):.1f}")
         for n, (side, theta, phi) in enumerate(plan.incident, start=1)
     ]
     return _table(("number", "incident_side", "theta_deg", "phi_deg", "lit_width_mm"), rows)

@@ -115,7 +115,9 @@ def close_up_figure(
             if kind == "linear":
                 cell = (2.0 * half / _CELLS) ** 2
                 width = 2.0 * np.sqrt(cell * float((values >= 0.5 * top).sum()) / np.pi)
-                ring = panel.plot([], [], color="#909090", linewidth=1.1, label=f"half of the largest: {width:.3g}' wide")
+                ring = panel.plot(
+                    [], [], color="#909090", linewidth=1.1, label=f"half of the largest: {width:.3g}' wide"
+                )
                 kept_ring = ring
             handles += kept_ring
         place = offset(of.through, middle, right, up) * 60.0
