@@ -22,6 +22,7 @@ import rays  # noqa: E402
 import rooms  # noqa: E402
 import round_robin  # noqa: E402
 import shading  # noqa: E402
+import systems  # noqa: E402
 import treatments  # noqa: E402
 import year_chain  # noqa: E402
 import year_growth  # noqa: E402
@@ -42,6 +43,9 @@ CHAPTERS = {
         "rays": rays.report,
         "shading": shading.report,
         "round-robin": round_robin.report,
+    },
+    "Window systems": {
+        "systems": systems.report,
     },
     "Rooms": {
         "rooms": rooms.report,
