@@ -83,10 +83,10 @@ def report(data: Path) -> str:
     head = ["job", "Clerestory [s]", "pywincalc [s]", "ratio", "spread", "T here", "T there"]
     return f"""### Layers to windows on Klems full
 
-Aim: at least 10 times. Time for {SYSTEMS} windows of 3 mm clear glass, a fabric's matrices from a file, and the glass again, both
-from data that were read before: the time of one is multiplied. `pywincalc` solves the visible band wavelength by wavelength;
-Clerestory solves bins of 40 nm, or the band once. Both give the matrices of both sides and what each layer absorbs. The
-transmittances are those of light along the normal.
+Aim: at least 10 times. Time for {SYSTEMS} windows of 3 mm clear glass, a fabric's matrices from a file, and the glass
+again, both from data that were read before: the time of one is multiplied. `pywincalc` solves the visible band
+wavelength by wavelength; Clerestory solves bins of 40 nm, or the band once. Both give the matrices of both sides and
+what each layer absorbs. The transmittances are those of light along the normal.
 
 {table(head, rows)}
 """

@@ -24,7 +24,7 @@ def shade(path: Path, *, without: tuple[str, str] | None = None, scale: float = 
         key: Model.matrix(scale * (values + (hole if key[1] == "transmission" else 0.0)), basis) for key in COMPONENTS
     }
     models.pop(without, None)
-    Bsdf.from_models({band: models for band in bands}).with_metadata(name="screen").save(path)
+    Bsdf.from_models(dict.fromkeys(bands, models)).with_metadata(name="screen").save(path)
     return f'[[layers]]\nkind = "file"\nfile = "{path.name}"\n'
 
 
