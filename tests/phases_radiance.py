@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from clerestory.room import Room
 
 THREADS = ("-n", "2")
+#: Directions as they are, without the jitter by which tables are smoothed; the sun as large as it is.
+EXACT = ("-ss", "0", "-dj", "1")
 
 
 def prepare(folder: Path, surfaces: Sequence[str], windows: Sequence[str], *, sky: str = "r1") -> None:
@@ -56,6 +58,20 @@ def view(
     return found.reshape(runs, len(points), -1)
 
 
+def view_pictures(
+    folder: Path, name: str, rays: np.ndarray, size: tuple[int, int], *, divisions: int, bounces: int
+) -> None:
+    """Pictures of the windows' patches, `NAME%03d.hdr` in the folder, by the rays (pixels, 6) from the top left."""
+    width, height = size
+    options = (
+        f"-ffc -ab {bounces} -ad {divisions} -lw {0.2 / divisions:.3g} -lr -{bounces + 4} -u+ -x {width} -y {height}"
+    )
+    command = ["rfluxmtx", *THREADS, *options.split(), "-o", f"{name}%03d.hdr", "-", "window.rad", "-i", "empty.oct"]
+    for path in folder.glob(f"{name}???.hdr"):
+        path.unlink()
+    run(*command, folder=folder, data=rays.astype(np.float32).tobytes())
+
+
 def daylight(folder: Path, *, samples: int, bounces: int = 1, divisions: int = 64) -> np.ndarray:
     """Radiance of a window's patches by that of the ground and the sky's (patches, sky), in `daylight.mtx`, too.
 
@@ -84,6 +100,12 @@ def product(folder: Path, *factors: str) -> np.ndarray:
     return read(folder / "product.mtx") @ WEIGHTS
 
 
+def lights_of(suns: Path) -> list[str]:
+    """The suns of a file of gendaymtx, as scenes."""
+    text = suns.read_text().split("\n\n")
+    return ["\n".join(text[k : k + 2]) for k in range(0, len(text) - 1, 2)]
+
+
 def direct(
     folder: Path,
     room: Room,
@@ -98,18 +120,14 @@ def direct(
 
     The suns are gendaymtx's, in the folder as the data set's file is.
     """
-    text = (folder / suns).read_text().split("\n\n")
-    lights = ["\n".join(text[k : k + 2]) for k in range(0, len(text) - 1, 2)]
     blacks = [line for line in room_radiance.surfaces(room) if " polygon " in line]
     names = {line.split()[0] for line in blacks}
     black = [f"void plastic {name} 0 0 5 0 0 0 0 0" for name in sorted(names)]
     window = [f"void BSDF window 6 0 {system} 0 0 1 . 0 0", *room_radiance.panes(room)]
     (folder / "black.rad").write_text("\n".join([*black, *blacks, *window]) + "\n")
     found = []
-    for light in lights:
+    for light in lights_of(folder / suns):
         (folder / "sun.rad").write_text(light + "\n")
         (folder / "scene.oct").write_bytes(run("oconv", "sun.rad", "black.rad", folder=folder))
-        # Directions as they are, without the jitter by which tables are smoothed; the sun as large as it is.
-        more = ("-ss", "0", "-dj", "1")
-        found.append(room_radiance.illuminance(folder, points, normals, *more, divisions=divisions, bounces=1))
+        found.append(room_radiance.illuminance(folder, points, normals, *EXACT, divisions=divisions, bounces=1))
     return np.stack(found, axis=-1)

@@ -127,9 +127,12 @@ def illuminance(
     return _traced(folder, points, normals, "-I", *more, divisions=divisions, bounces=bounces)
 
 
-def luminance(folder: Path, eye: np.ndarray, directions: np.ndarray, *, divisions: int, bounces: int) -> np.ndarray:
+def luminance(
+    folder: Path, eye: np.ndarray, directions: np.ndarray, *more: str, divisions: int, bounces: int
+) -> np.ndarray:
     """Luminance (n,) [cd/m²] by rtrace without its ambient cache, from an eye (3,) along directions (n, 3)."""
-    return _traced(folder, np.broadcast_to(eye, directions.shape), directions, divisions=divisions, bounces=bounces)
+    origins = np.broadcast_to(eye, directions.shape)
+    return _traced(folder, origins, directions, *more, divisions=divisions, bounces=bounces)
 
 
 def _traced(

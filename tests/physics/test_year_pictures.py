@@ -89,3 +89,29 @@ def test_pictures_say_what_is_found_without_them(tmp_path, sky):
         expected = {key: values[step] for key, values in part.eyes["desk"].items()}
         assert found.vertical_illuminance == pytest.approx(expected["illuminance"], rel=0.02), step
         assert found.dgp == pytest.approx(expected["dgp"], abs=0.01), step
+
+
+def test_pixels_of_surfaces_are_those_of_a_rendering(tmp_path):
+    """A window that is evenly bright, and black from inside: the rows' sums are the rendering by its radiance."""
+    view = {"point_m": EYE[0], "direction": EYE[1], "size_px": [32, 32]}
+    parts = {"systems": {"window": film(tmp_path, 0.3, 0.0)}, "views": {"eye": view}}
+    made = room.load(ROOM | parts)
+    renderings = [made.picture("eye", samples=1024, seed=seed) for seed in (1, 2)]
+    window = max(rendering.radiance[..., 1].max() for rendering in renderings)
+    rendered = np.array([rendering.radiance[..., 1].ravel() / window for rendering in renderings])
+    matrices = [RoomMatrices(made, cache=Cache(tmp_path / "cache"), seed=seed) for seed in (1, 2)]
+    seen = View(renderings[0].view)
+    sums = np.array([m.surfaces(seen, (32, 32), samples=1024).all.sum(axis=1, dtype=float) for m in matrices])
+
+    surfaces = np.ones(32 * 32, dtype=bool)
+    surfaces[matrices[0].windows_seen(seen, (32, 32)).pixel] = False
+    surfaces &= rendered.mean(axis=0) > 0.0
+    assert surfaces.sum() > 600
+    sums, rendered = sums[:, surfaces], rendered[:, surfaces]
+    mean = rendered.mean(axis=0)
+    difference = sums.mean(axis=0) / mean - 1.0
+    # Pairs of runs tell the noise of both, as so many pixels share it.
+    noise = np.hypot(*((runs[0] - runs[1]) / 2.0 / mean for runs in (sums, rendered)))
+    assert np.sqrt(np.mean(noise**2)) < 0.05
+    assert np.sqrt(np.mean(difference**2)) < 1.15 * np.sqrt(np.mean(noise**2)) + 0.005
+    assert sums.mean() == pytest.approx(rendered.mean(), rel=0.003)

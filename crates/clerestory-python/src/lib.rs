@@ -18,6 +18,7 @@ mod room_matrix;
 mod room_scene;
 mod sky;
 mod system;
+mod table;
 mod trace;
 mod trace_material;
 mod trace_measure;
@@ -54,6 +55,8 @@ mod _core {
     use crate::sky::{PySky, PySkyPatches, cie_names, gensky_factor, sun_by_radiance};
     #[pymodule_export]
     use crate::system::PySystem;
+    #[pymodule_export]
+    use crate::table::{gunzip, read_table, write_table};
     #[pymodule_export]
     use crate::trace::{PyGeometry, PySample};
     #[pymodule_export]

@@ -1,9 +1,10 @@
 """Pictures of a room over a year, as the five-phase method makes them.
 
 A picture is put together of what is known at different resolutions. Surfaces have the light of the windows' patches,
-but for what beams throw on them: that is found for the sun itself. Windows show the sky's light through the system and
-the sun's at the data set's own resolution, for the direction of each pixel; beams show the sky behind them, and the
-sun's disc. So pictures can be rated as photographs are.
+but for what they get of the sun from a window without another surface: that comes from the sun itself, not from its
+patch of the sky. Windows show the sky's light through the system and the sun's at the data set's own resolution, for
+the direction of each pixel; beams show the sky behind them, and the sun's disc. So pictures can be rated
+as photographs are.
 """
 
 from __future__ import annotations
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
 
 _TOGETHER = 16
 """Steps that are in memory at a time."""
+_STEPS = 64
+"""Along each axis of the square of a window's directions, by which the sun's light in a patch is found."""
 
 
 class YearPictures:
@@ -97,11 +100,20 @@ class SystemPictures:
     def __init__(self, year: YearPictures, systems: Sequence[Bsdf]) -> None:
         self._year = year
         transfers = [Transfer.of(bsdf, year.matrices.basis) for bsdf in systems]
+        from scipy.sparse import csr_array
+
+        self._once = leaving(transfers)
         self._whole = leaving(transfers, year._returned)
         self._beams = np.concatenate([transfer.beam for transfer in transfers])
         self._through = SunThrough(year.matrices, tuple(systems))
         self._sky = SkyThrough.of(self._through, year._outgoing, year.arrivals.sky.patches._core)
-        self._returns = (self._whole - leaving(transfers))[self._sky.patch]
+        self._returns = (self._whole - self._once)[self._sky.patch]
+        groups, patches = len(systems), len(year.matrices.basis)
+        self._cells = Outgoing.of_cells(np.arange(groups * _STEPS**2), _STEPS)
+        patch = year.matrices.basis._core.patch_of(np.ascontiguousarray(self._cells.direction[:, :2]))
+        patch = patch + self._cells.group * patches
+        shares = 1.0 / np.bincount(patch, minlength=groups * patches)[patch]
+        self._mean = csr_array((shares, (patch, np.arange(len(patch)))), shape=(groups * patches, len(patch)))
 
     def at(self, steps: Sequence[int] | NDArray[np.int64]) -> Iterator[tuple[int, Picture]]:
         """Steps, each with its picture [W/(m² sr)], of visible watts of 179 lm; grey, and black where it is dark."""
@@ -134,30 +146,29 @@ class SystemPictures:
     def _radiance(self, light: Light) -> Floats:
         """Of pixels (pixels, steps)."""
         year = self._year
+        beams = self._through.beams(light.suns, light.irradiance)
         surfaces = year._surfaces.all @ (self._whole @ light.arrives)
+        # What comes from the sun's patch of the sky, and without another surface, is found again for the sun itself.
+        scattered = self._mean @ self._through.radiance(self._cells, light.suns, light.irradiance)
+        surfaces += year._surfaces.direct @ (scattered - self._once @ light.directly)
         if self._beams.any():
-            # What beams throw on surfaces is spread over patches, and found again for the sun itself.
-            surfaces -= year._surfaces.direct @ (self._beams[:, None] * light.directly)
-            surfaces[year._on_surfaces] += year._share[:, None] * self._sunlit(light)
+            directions = year._directions[year._on_surfaces]
+            sunlit = self._through.on_surfaces(year._eye, directions, light.suns, beams)
+            surfaces[year._on_surfaces] += year._share[:, None] * sunlit
         windows = self._sky.radiance(light.diffuse, light.sky) + self._returns @ light.arrives
         windows += self._through.radiance(year._outgoing, light.suns, light.irradiance)
         pixels: Floats = np.maximum(surfaces, 0.0) + (year._windows @ windows).astype(np.float32)
-        self._add_suns(pixels, light)
+        self._add_suns(pixels, light, beams)
         return pixels
 
-    def _sunlit(self, light: Light) -> Floats:
-        """Radiance (pixels with surfaces, steps) of what the sun lights through beams."""
-        directions = self._year._directions[self._year._on_surfaces]
-        return self._through.on_surfaces(self._year._eye, directions, light.suns, light.irradiance)
-
-    def _add_suns(self, pixels: Floats, light: Light) -> None:
+    def _add_suns(self, pixels: Floats, light: Light, beams: Doubles) -> None:
         """The sun's disc where it is seen straight: its light in as many whole pixels as have its size.
 
         A disc that is smeared over the pixels that it touches would lose a part of its glare, which goes with the
         square of the luminance.
         """
         year = self._year
-        straight = self._through.through(year._eye[None], light.suns, light.irradiance)[0]
+        straight = self._through.through(year._eye[None], light.suns, light.irradiance, beams)[0]
         for step in np.flatnonzero(straight > 0.0):
             if np.isnan(year.view.locate(light.suns[step])).any():
                 continue

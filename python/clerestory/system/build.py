@@ -13,6 +13,7 @@ from clerestory.system.glass_files import read_glass
 from clerestory.system.layer import Gap, Layer
 from clerestory.system.recipe import FileKeys, GapKeys, GlassKeys, RecipeKeys, Specification
 from clerestory.system.shelf import glass
+from clerestory.system.traced import traced_thermal
 from clerestory.system.window import Window
 from clerestory.trace.keys import RecipeError
 from clerestory.trace.recipe import read_toml
@@ -159,7 +160,11 @@ def _thermal(keys: GlassKeys | FileKeys | RecipeKeys, known: Thermal) -> Thermal
     }
     if keys.thickness_mm is not None:
         given["thickness_m"] = keys.thickness_mm / 1000.0
-    return replace(known, **given)
+    found = replace(known, **given)
+    edges = keys.edges_mm
+    if edges is None:
+        return found
+    return replace(found, edges_m=tuple(mm / 1000.0 for mm in (edges.top, edges.bottom, edges.left, edges.right)))
 
 
 def _glass(keys: GlassKeys, folder: Path, sources: list[Path]) -> Layer:
@@ -234,10 +239,9 @@ def _traced(
         error=keys.error,
         seed=keys.seed,
     )
-    low, high = sample.depth_m
     return Layer(
         keys.name or sample.name,
         bsdf=measured,
-        thermal=_thermal(keys, Thermal(thickness_m=high - low, openness=sample.openness)),
+        thermal=_thermal(keys, traced_thermal(sample, measured)),
         warnings=tuple(sample.warnings),
     )

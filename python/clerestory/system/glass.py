@@ -28,6 +28,10 @@ COVERED = 0.98
 """Share of a band's light that data must cover; the rest is taken like the nearest wavelength."""
 
 
+_AIR = ("slat_tilt_deg", "edges_m")
+"""What no BSDF file holds."""
+
+
 @dataclass(frozen=True)
 class Thermal:
     """What heat asks of a layer; None where it is not known."""
@@ -44,6 +48,10 @@ class Thermal:
     """Long-wave transmittance."""
     openness: float | None = None
     """Open fraction of the area, for air."""
+    slat_tilt_deg: float | None = None
+    """Tilt of its slats [°], for air that passes between them; None for cloth and panes."""
+    edges_m: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    """Open gaps at its top, bottom, left and right edge, for air [m]."""
 
     def flipped(self) -> Thermal:
         """Turned round."""
@@ -52,7 +60,7 @@ class Thermal:
     def fields(self) -> dict[str, float]:
         """What is known, by the names of `Metadata`."""
         names = {"conductivity": "thermal_conductivity"}
-        known = {names.get(key, key): value for key, value in vars(self).items()}
+        known = {names.get(key, key): value for key, value in vars(self).items() if key not in _AIR}
         return {key: value for key, value in known.items() if value is not None}
 
 

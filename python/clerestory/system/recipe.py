@@ -49,6 +49,19 @@ class SheetKeys(Keys):
     """Thickness [mm]."""
 
 
+class EdgeKeys(Keys):
+    """Open gaps along the edges of a shading layer, which let air pass [mm]."""
+
+    top: NotNegative = 0.0
+    """Along its top."""
+    bottom: NotNegative = 0.0
+    """Along its bottom."""
+    left: NotNegative = 0.0
+    """Along its left edge."""
+    right: NotNegative = 0.0
+    """Along its right edge."""
+
+
 class _Solid(Keys):
     """What all solid layers may say."""
 
@@ -66,6 +79,8 @@ class _Solid(Keys):
     """Thermal conductivity [W/(m K)]."""
     openness: Fraction | None = None
     """Open fraction of the area, for air."""
+    edges_mm: EdgeKeys | None = None
+    """Open gaps between its edges and the frame, for air."""
 
 
 class GlassKeys(_Solid):

@@ -30,6 +30,11 @@ impl<'a> Numbers<'a> {
         Self { text, at: 0 }
     }
 
+    /// Numbers of `text` behind its first `at` bytes.
+    pub fn from(text: &'a [u8], at: usize) -> Self {
+        Self { text, at }
+    }
+
     /// Where the next character to read stands (bytes from the start).
     pub fn position(&self) -> usize {
         self.at
@@ -38,7 +43,12 @@ impl<'a> Numbers<'a> {
     /// Moves on over blanks and one comma; the character that follows, if there is one.
     #[inline]
     pub fn peek(&mut self) -> Option<u8> {
-        let mut comma = false;
+        self.peek_behind(false)
+    }
+
+    /// The same, where a comma may have been passed already.
+    #[inline]
+    fn peek_behind(&mut self, mut comma: bool) -> Option<u8> {
         while let Some(&c) = self.text.get(self.at) {
             // All separators are below or at the comma: most characters need no other question.
             if c > b',' {
@@ -90,10 +100,124 @@ impl<'a> Numbers<'a> {
 
     /// Appends all numbers to `values`.
     pub fn append_to(mut self, values: &mut Vec<f64>) -> Result<()> {
-        while let Some(first) = self.peek() {
+        const PATIENCE: u32 = 16;
+        let (mut pattern, mut strangers, mut comma) = (None::<Pattern>, 0, false);
+        while let Some(first) = self.peek_behind(comma) {
+            comma = false;
+            if let Some(pattern) = &pattern {
+                let end = pattern.append_all(self.text, self.at, values);
+                if end > self.at {
+                    (self.at, strangers, comma) = (end, 1, pattern.comma);
+                    continue;
+                }
+            }
+            let start = self.at;
             values.push(self.number(first)?);
+            // A stranger now and then is no reason for another pattern.
+            if strangers % PATIENCE == 0 {
+                pattern = Pattern::of(self.text, start);
+            }
+            strangers += 1;
         }
         Ok(())
+    }
+}
+
+/// How a number and what separates it from the next one are written. Programs write most numbers of a file alike, and whoever
+/// knows where the next one begins need not read this one first.
+#[derive(Debug, Clone, Copy)]
+struct Pattern {
+    /// The characters, the first in the lowest bits, '0' for any digit.
+    characters: u128,
+    /// Which bits of them count.
+    mask: u128,
+    /// What raises the highest bit of a byte that does not fit, if it is added to its difference from the pattern.
+    limits: u128,
+    /// Digits behind the point.
+    count: usize,
+    /// Sign of the exponent, and bits in front of its two digits.
+    exponent: Option<(i32, u32)>,
+    /// Characters up to the next number.
+    length: usize,
+    /// Whether one of them is a comma.
+    comma: bool,
+}
+
+impl Pattern {
+    /// Longest pattern.
+    const MOST: usize = size_of::<u128>();
+
+    /// Of the number at `at`, if it is one digit, a point, one to seven digits, and perhaps a signed exponent of two digits.
+    fn of(text: &[u8], at: usize) -> Option<Self> {
+        let chunk: &[u8; Self::MOST] = text.get(at..)?.first_chunk()?;
+        let digits_from = |k: usize| chunk[k..].iter().take_while(|c| c.is_ascii_digit()).count();
+        let count = digits_from(2);
+        if digits_from(0) != 1 || chunk[1] != b'.' || !(1..8).contains(&count) {
+            return None;
+        }
+        let mut length = 2 + count;
+        let mut exponent = None;
+        if let [b'e', sign @ (b'-' | b'+'), ..] = chunk[length..] {
+            length += 2;
+            if digits_from(length) != 2 {
+                return None;
+            }
+            exponent = Some((if sign == b'-' { -1 } else { 1 }, 8 * length as u32));
+            length += 2;
+        }
+        let mut behind = Numbers {
+            text: chunk,
+            at: length,
+        };
+        behind.peek();
+        if behind.at == length {
+            return None;
+        }
+        let mut pattern = Self {
+            characters: 0,
+            mask: 0,
+            limits: 0,
+            count,
+            exponent,
+            length: behind.at,
+            comma: chunk[length..behind.at].contains(&b','),
+        };
+        for (k, &c) in chunk[..pattern.length].iter().enumerate() {
+            let (c, limit) = if c.is_ascii_digit() {
+                (b'0', 0x80 - 10)
+            } else {
+                (c, 0x80 - 1)
+            };
+            pattern.characters |= u128::from(c) << (8 * k);
+            pattern.mask |= 0xff << (8 * k);
+            pattern.limits |= limit << (8 * k);
+        }
+        Some(pattern)
+    }
+
+    /// Appends the numbers that follow each other from `at` on in this pattern; where they end.
+    fn append_all(&self, text: &[u8], mut at: usize, values: &mut Vec<f64>) -> usize {
+        const HIGHEST: u128 = 0x80 * (u128::MAX / 0xff);
+        let power = TENS[self.count];
+        while let Some(chunk) = text.get(at..).and_then(<[u8]>::first_chunk) {
+            let digits = (u128::from_le_bytes(*chunk) ^ self.characters) & self.mask;
+            if (digits | digits.wrapping_add(self.limits)) & HIGHEST != 0 {
+                break;
+            }
+            let behind_point = (digits >> 16) as u64;
+            let mantissa = (digits as u64 & 0xff) * power + united(behind_point << (64 - 8 * self.count));
+            let mut exponent = -(self.count as i32);
+            if let Some((sign, bits)) = self.exponent {
+                let [tens, ones] = ((digits >> bits) as u16).to_le_bytes().map(i32::from);
+                exponent += sign * (10 * tens + ones);
+            }
+            let Some(value) = scaled(mantissa, exponent) else {
+                break;
+            };
+            values.push(value);
+            at += self.length;
+        }
+        at
     }
 }
 
@@ -141,7 +265,8 @@ fn any(text: &[u8], at: usize) -> Result<(f64, usize)> {
         return Ok(found);
     }
     let rest = &text[at..];
-    let length = rest.iter().position(|&c| ends_word(c)).unwrap_or(rest.len());
+    // The first belongs to the word in any case: a message about nothing would not help.
+    let length = 1 + rest[1..].iter().position(|&c| ends_word(c)).unwrap_or(rest.len() - 1);
     let word = &rest[..length];
     match std::str::from_utf8(word).ok().and_then(|w| w.parse::<f64>().ok()) {
         Some(value) if value.is_finite() => Ok((value, at + length)),
@@ -215,7 +340,7 @@ fn exponential(text: &[u8], at: &mut usize) -> Option<i32> {
 /// Whether a number cannot go on with this character.
 #[inline]
 fn ends_word(c: u8) -> bool {
-    matches!(c, b' ' | b'\t' | b'\r' | b'\n' | b',' | b'{' | b'}' | b'<')
+    matches!(c, b' ' | b'\t' | b'\r' | b'\n' | b',' | b';' | b'{' | b'}' | b'<')
 }
 
 /// Eight bytes that stand at `at`, the first in the lowest bits; zeros behind the end of the text.
@@ -260,13 +385,17 @@ fn leading_digits(word: u64) -> usize {
     others.trailing_zeros() as usize / 8
 }
 
-/// The number that the first `count` of eight bytes make: by pairs, then pairs of these, then all.
+/// The number that the first `count` of eight bytes make.
 #[inline]
 fn joined(word: u64, count: usize) -> u64 {
     // Zeros come in front.
-    let digits = (word ^ (EACH * u64::from(b'0')))
-        .checked_shl(64 - 8 * count as u32)
-        .unwrap_or(0);
+    let digits = (word ^ (EACH * u64::from(b'0'))).checked_shl(64 - 8 * count as u32);
+    united(digits.unwrap_or(0))
+}
+
+/// The number that eight digits make, the first in the lowest bits: by pairs, then pairs of these, then all.
+#[inline]
+fn united(digits: u64) -> u64 {
     let pairs = digits.wrapping_mul(10).wrapping_add(digits >> 8);
     let first = (pairs & 0x0000_00ff_0000_00ff).wrapping_mul(100 + (1_000_000 << 32));
     let second = (pairs >> 16 & 0x0000_00ff_0000_00ff).wrapping_mul(1 + (10_000 << 32));
@@ -346,6 +475,35 @@ mod tests {
         }
         assert!(all("-0.000").unwrap()[0].is_sign_negative());
         assert!(all("-0.000              ").unwrap()[0].is_sign_negative());
+    }
+
+    #[test]
+    fn lists_that_change_their_pattern_are_read_as_one_number_after_the_other() {
+        let writings = [
+            |x: f64| format!("{x:.6}, "),
+            |x: f64| format!("{x:.3e}\n\t").replace("e0", "e+00").replace("e-", "e-0"),
+            |x: f64| format!("{x:.1} "),
+            |x: f64| format!("{x:.7},"),
+            |x: f64| format!("{:.4}  ,  ", 20.0 * x),
+            |x: f64| format!("{x:.12}\r\n"),
+        ];
+        let (mut text, mut expected) = (String::new(), Vec::new());
+        for k in 0..5000_u64 {
+            let x = crate::sequence::uniform(2, k) * 9.0;
+            // Runs of one writing, with a stranger now and then.
+            let writing = if k % 23 == 7 { k } else { k / 60 } as usize % writings.len();
+            let word = writings[writing](x);
+            let number = word.trim_matches(|c: char| c == ',' || c.is_ascii_whitespace());
+            expected.push(number.parse::<f64>().unwrap());
+            text.push_str(&word);
+        }
+        assert_eq!(all(&text).unwrap(), expected);
+        // The place of what is wrong does not depend on what stands before it.
+        for wrong in [",0.5", "0.x", "0.5000000x"] {
+            let text = format!("{}{wrong}{}", "0.250000, ".repeat(40), "0.250000, ".repeat(40));
+            let error = all(&text).unwrap_err().to_string();
+            assert!(error.starts_with("400:"), "{error}");
+        }
     }
 
     #[test]

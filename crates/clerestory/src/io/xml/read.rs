@@ -90,11 +90,12 @@ fn parse(blocks: &[Block<'_>], bytes: &[u8], basis: Option<&Arc<Basis>>) -> Vec<
     let slots: Vec<OnceLock<Result<Parsed>>> = blocks.iter().map(|_| OnceLock::new()).collect();
     let next = AtomicUsize::new(0);
     let work = || {
+        let mut flat = Vec::new();
         while let Some((block, slot)) = {
             let k = next.fetch_add(1, Ordering::Relaxed);
             blocks.get(k).zip(slots.get(k))
         } {
-            slot.get_or_init(|| block.parse(bytes, basis));
+            slot.get_or_init(|| block.parse(bytes, basis, &mut flat));
         }
     };
     let length: usize = blocks.iter().map(|b| b.text.len()).sum();
