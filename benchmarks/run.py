@@ -23,6 +23,7 @@ import rays  # noqa: E402
 import rooms  # noqa: E402
 import round_robin  # noqa: E402
 import shading  # noqa: E402
+import systems  # noqa: E402
 import treatments  # noqa: E402
 import year_chain  # noqa: E402
 import year_growth  # noqa: E402
@@ -46,6 +47,9 @@ CHAPTERS = {
     },
     "Measurements": {
         "measure-import": measure_import.report,
+    },
+    "Window systems": {
+        "systems": systems.report,
     },
     "Rooms": {
         "rooms": rooms.report,
