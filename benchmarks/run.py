@@ -18,6 +18,7 @@ import glare_year  # noqa: E402
 import goniophotometer  # noqa: E402
 import loading  # noqa: E402
 import lookups  # noqa: E402
+import measure_fit  # noqa: E402
 import measure_import  # noqa: E402
 import rays  # noqa: E402
 import rooms  # noqa: E402
@@ -47,6 +48,7 @@ CHAPTERS = {
     },
     "Measurements": {
         "measure-import": measure_import.report,
+        "measure-fit": measure_fit.report,
     },
     "Window systems": {
         "systems": systems.report,

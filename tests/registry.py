@@ -362,7 +362,21 @@ def _cases() -> list[Case]:
                 [Layer("pane", pane=glass("clear", 0.006)), Layer("shade", bsdf=_SHADE)]
             ).sharpened(basis=small),
         ),
+        Case("isotropic interpolant", lambda: transmission(interpolant("isotropic", "transport"))),
+        Case("anisotropic interpolant", lambda: transmission(interpolant("none", "transport"))),
+        Case("linear interpolant", lambda: transmission(interpolant("none", "linear"))),
     ]
+
+
+def interpolant(symmetry: str, method: str) -> Model:
+    """A model of a few coarse scans of a peak over a diffuse floor."""
+    from clerestory.measure.interpolant import fit
+    from synthetic_lab import diffuse_and_peak, series
+
+    phis = (0.0,) if symmetry == "isotropic" else (0.0, 72.0, 144.0, 216.0, 288.0)
+    scans = series(diffuse_and_peak, (0.0, 30.0, 60.0, 75.0), phis)
+    made = fit(scans, method=method, symmetry=symmetry, hold_out=False)  # type: ignore[arg-type]
+    return made.bsdf.models["visible"]["exterior", "transmission"]
 
 
 def _tree_with_beam() -> Bsdf:
