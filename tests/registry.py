@@ -308,7 +308,7 @@ def _cases() -> list[Case]:
         Case("separated tree", lambda: _tree_with_beam().separate_peaks(), square(16)),
         Case(
             "separated reverse of an isotropic tree",
-            lambda: transmission(_isotropic_beam().reciprocal()).separate_peaks(),
+            lambda: transmission(isotropic_beam().reciprocal()).separate_peaks(),
             backwards(32),
             conserving=False,
             beams=0.2,
@@ -396,7 +396,7 @@ def _tree_with_beam() -> Bsdf:
     return _read_tree(4, node(0, (0, 0, 0, 0)))
 
 
-def _isotropic_beam() -> Model:
+def isotropic_beam() -> Model:
     """A beam in the finest cells about the straight direction, over a diffuse floor, as a tree of rank 3."""
     n = 32
 
