@@ -359,7 +359,7 @@ def _cases() -> list[Case]:
         Case(
             "window at its layers' own resolution",
             lambda: Window(
-                [Layer("pane", pane=glass("clear", 0.006)), Layer("shade", bsdf=_diffuser(small))]
+                [Layer("pane", pane=glass("clear", 0.006)), Layer("shade", bsdf=_SHADE)]
             ).sharpened(basis=small),
         ),
     ]
@@ -418,6 +418,14 @@ _COMPONENTS: list[tuple[Side, Scatter]] = [
     (side, scatter) for side in ("exterior", "interior") for scatter in ("transmission", "reflection")
 ]
 
+
+#: A diffuser with holes.
+_SHADE = Bsdf.from_models(
+    {
+        key: Model.sum([(1.0, Model.lambertian(0.3)), (1.0, Model.specular(0.2 if key[1] == "transmission" else 0.05))])
+        for key in _COMPONENTS
+    }
+)
 
 CASES = {case.name: case for case in _cases()}
 
