@@ -113,9 +113,9 @@ def test_what_a_file_cannot_say_is_refused():
         zemax.write(Measurement("film", (one, lambertian(40.0, 0.0))))
     with pytest.raises(ClerestoryError, match="signal"):
         zemax.write(Measurement("film", (replace(one, quantity="signal"),)))
-    few = np.arange(4000) < 12
+    few = one.theta_deg < 8.0
     sparse = replace(one, theta_deg=one.theta_deg[few], phi_deg=one.phi_deg[few], values=one.values[few])
-    with pytest.raises(ClerestoryError, match="the 12 points of light from 30° cover less than half"):
+    with pytest.raises(ClerestoryError, match="points of light from 30° cover less than half"):
         zemax.write(Measurement("film", (sparse,)))
     with pytest.raises(ClerestoryError, match="no scan"):
         lighttools.write(Measurement("film", (replace(one, purpose="dark"),)))
