@@ -433,7 +433,9 @@ def test_a_folder_of_mixed_files_is_one_import(tmp_path):
     (measurement,) = contents.measurements
     assert measurement.sample == "twill"
     assert len(measurement) == 2
-    assert contents.warnings == ("notes.txt: no measurement, left out", "photo.jpg: no measurement, left out")
+    assert contents.warnings == tuple(
+        f"{name}: no format of measurements is recognised; left out" for name in ("notes.txt", "photo.jpg")
+    )
     (packed,) = (scan.source for scan in measurement.scans if scan.source.format == "IEA Task 21")
     assert packed.sha256 == hashlib.sha256((tmp_path / "y.bin").read_bytes()).hexdigest()
     with pytest.raises(FileFormatError, match=r"notes\.txt: no format"):

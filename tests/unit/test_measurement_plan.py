@@ -121,7 +121,9 @@ def test_subsets_reach_every_patch_when_symmetry_completes_them(name, symmetry, 
     basis = Basis.named(name)
     chosen = subset(name, symmetry, 90.0, side)
     reached = [
-        int(basis.index_of_incident(direction(t, p, side=side))) for theta, phi in chosen for t, p in images(theta, phi, symmetry)
+        int(basis.index_of_incident(direction(t, p, side=side)))
+        for theta, phi in chosen
+        for t, p in images(theta, phi, symmetry)
     ]
     assert set(reached) == set(range(len(basis)))
     if symmetry in ("none", "unknown"):
@@ -214,7 +216,11 @@ def test_a_plan_becomes_files(tmp_path, capsys):
         'purpose = "glare"\ninstrument = "mine.toml"\n[sample]\nwidth_mm = 210\nheight_mm = 297\n'
         'period_mm = 0.6\nweave = "square"\nsymmetry = "rotational-2"\n'
     )
-    mine = (INSTRUMENTS.folder / "pg2.toml").read_text().replace("minutes_an_incidence = 20.0", "minutes_an_incidence = 60")
+    mine = (
+        (INSTRUMENTS.folder / "pg2.toml")
+        .read_text()
+        .replace("minutes_an_incidence = 20.0", "minutes_an_incidence = 60")
+    )
     (tmp_path / "mine.toml").write_text(mine)
     code, out, _ = run(capsys, "measure", "plan", tmp_path / "twill.toml", "-o", tmp_path / "plan", "--json")
     assert code == 0

@@ -101,9 +101,7 @@ def direct_footprint(view: View, shape: tuple[int, int], basis: Basis, side: Sid
     solid = view.solid_angles(width, height, exact=True).ravel()
     with np.errstate(invalid="ignore"):
         seen = np.flatnonzero((d[:, 2] * _sign(side) > _LEAST_COSINE) & (solid > 0.0))
-    return Footprint(
-        seen, basis.index_of_outgoing(d[seen]), np.ones(len(seen)), solid[seen] * np.abs(d[seen, 2])
-    )
+    return Footprint(seen, basis.index_of_outgoing(d[seen]), np.ones(len(seen)), solid[seen] * np.abs(d[seen, 2]))
 
 
 def covered(

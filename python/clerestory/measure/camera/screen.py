@@ -55,7 +55,7 @@ class Screen:
         return np.asarray(self.origin + places @ self.axes)
 
     def hit(self, directions: Floats) -> Floats:
-        """Places (n, 2) where light from the sample's middle along directions (n, 3) meets its plane; NaN if nowhere."""
+        """Places (n, 2) where light from the sample's middle along directions (n, 3) meets its plane, or NaN."""
         toward = directions @ self.normal
         with np.errstate(divide="ignore", invalid="ignore"):
             far = (self.origin @ self.normal) / toward
@@ -63,8 +63,8 @@ class Screen:
         return np.asarray(points @ self.axes.T)
 
     def places(self, pixels: Floats) -> tuple[Floats, Floats]:
-        """Places (n, 2) of pixels (n, 2), and the area [mm²] that a pixel covers there (n,); NaN beyond the vanishing line."""
-        scaled = np.column_stack([pixels, np.ones(len(pixels))]) @ self.to_plane.T
+        """Places (n, 2) of pixels (n, 2), NaN beyond the vanishing line, and the area [mm²] of a pixel there (n,)."""
+        scaled = pixels[:, :1] * self.to_plane[:, 0] + pixels[:, 1:] * self.to_plane[:, 1] + self.to_plane[:, 2]
         w = scaled[:, 2] * np.sign(self._sign)
         with np.errstate(divide="ignore", invalid="ignore"):
             found = np.where(w[:, None] > 0.0, scaled[:, :2] / scaled[:, 2:], np.nan)
