@@ -425,7 +425,7 @@ def test_a_folder_of_mixed_files_is_one_import(tmp_path):
     assert contents.warnings == tuple(
         f"{name}: no format of measurements is recognised; left out" for name in ("notes.txt", "photo.jpg")
     )
-    packed = measurement.scans[1].source
+    packed = next(scan.source for scan in measurement.scans if scan.source.name == "y.bin")
     assert packed.sha256 == hashlib.sha256((tmp_path / "y.bin").read_bytes()).hexdigest()
     with pytest.raises(FileFormatError, match=r"notes\.txt: no format"):
         measure.read(tmp_path, strict=True)
