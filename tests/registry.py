@@ -308,7 +308,7 @@ def _cases() -> list[Case]:
         Case("separated tree", lambda: _tree_with_beam().separate_peaks(), square(16)),
         Case(
             "separated reverse of an isotropic tree",
-            lambda: transmission(_isotropic_beam().reciprocal()).separate_peaks(),
+            lambda: transmission(isotropic_beam().reciprocal()).separate_peaks(),
             backwards(32),
             conserving=False,
             beams=0.2,
@@ -359,10 +359,24 @@ def _cases() -> list[Case]:
         Case(
             "window at its layers' own resolution",
             lambda: Window(
-                [Layer("pane", pane=glass("clear", 0.006)), Layer("shade", bsdf=_diffuser(small))]
+                [Layer("pane", pane=glass("clear", 0.006)), Layer("shade", bsdf=_SHADE)]
             ).sharpened(basis=small),
         ),
+        Case("isotropic interpolant", lambda: transmission(interpolant("isotropic", "transport"))),
+        Case("anisotropic interpolant", lambda: transmission(interpolant("none", "transport"))),
+        Case("linear interpolant", lambda: transmission(interpolant("none", "linear"))),
     ]
+
+
+def interpolant(symmetry: str, method: str) -> Model:
+    """A model of a few coarse scans of a peak over a diffuse floor."""
+    from clerestory.measure.interpolant import fit
+    from synthetic_lab import diffuse_and_peak, series
+
+    phis = (0.0,) if symmetry == "isotropic" else (0.0, 72.0, 144.0, 216.0, 288.0)
+    scans = series(diffuse_and_peak, (0.0, 30.0, 60.0, 75.0), phis)
+    made = fit(scans, method=method, symmetry=symmetry, hold_out=False)  # type: ignore[arg-type]
+    return made.bsdf.models["visible"]["exterior", "transmission"]
 
 
 def _tree_with_beam() -> Bsdf:
@@ -382,7 +396,7 @@ def _tree_with_beam() -> Bsdf:
     return _read_tree(4, node(0, (0, 0, 0, 0)))
 
 
-def _isotropic_beam() -> Model:
+def isotropic_beam() -> Model:
     """A beam in the finest cells about the straight direction, over a diffuse floor, as a tree of rank 3."""
     n = 32
 
@@ -418,6 +432,14 @@ _COMPONENTS: list[tuple[Side, Scatter]] = [
     (side, scatter) for side in ("exterior", "interior") for scatter in ("transmission", "reflection")
 ]
 
+
+#: A diffuser with holes.
+_SHADE = Bsdf.from_models(
+    {
+        key: Model.sum([(1.0, Model.lambertian(0.3)), (1.0, Model.specular(0.2 if key[1] == "transmission" else 0.05))])
+        for key in _COMPONENTS
+    }
+)
 
 CASES = {case.name: case for case in _cases()}
 

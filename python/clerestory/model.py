@@ -154,6 +154,25 @@ class Model(TreeOperations):
         """
         return Model(self._core.filtered(before._core, after._core))
 
+    def extrapolated(self, incident: ArrayLike, outgoing: ArrayLike) -> NDArray[np.bool_]:
+        """Whether values of an interpolant lie beyond what was measured.
+
+        Parameters
+        ----------
+        incident, outgoing
+            Unit vectors toward the source and along the light (n, 3) each.
+
+        Raises
+        ------
+        ClerestoryError
+            The model is no interpolant.
+        """
+        rows = [np.ascontiguousarray(np.atleast_2d(a), dtype=np.float64) for a in (incident, outgoing)]
+        found = self._core.extrapolated(*rows)
+        if found is None:
+            raise ClerestoryError(f"a {self.kind} model does not know what was measured (only an interpolant does)")
+        return np.array(found, dtype=np.bool_)
+
     def scaled(self, factor: float) -> Model:
         """All values multiplied by a factor of 0 or more."""
         return Model(self._core.scaled(factor))

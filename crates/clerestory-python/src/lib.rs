@@ -9,6 +9,7 @@ mod compare;
 mod convert;
 mod errors;
 mod glare;
+mod interpolant;
 mod jobs;
 mod model;
 mod npz;
@@ -41,6 +42,8 @@ mod _core {
     use crate::compare::distances;
     #[pymodule_export]
     use crate::glare::{PyLens, glare_preset, rate_glare, rate_glare_hours};
+    #[pymodule_export]
+    use crate::interpolant::PyDistributions;
     #[pymodule_export]
     use crate::model::PyModel;
     #[pymodule_export]

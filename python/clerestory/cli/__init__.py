@@ -51,6 +51,7 @@ _GROUPS: dict[str, tuple[str, ...]] = {
         "plot",
         "check",
         "prepare",
+        "fit",
         "calibrate",
         "export",
     ),

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::{
-    Beam, Estimate, Filtered, Lambertian, Matrix, Part, Peak, Region, Reversed, Sample, Scatterer, Separated, Specular,
-    Sum, Tree, Turn, Turned,
+    Beam, Estimate, Filtered, Interpolant, Lambertian, Matrix, Part, Peak, Region, Reversed, Sample, Scatterer,
+    Separated, Specular, Sum, Tree, Turn, Turned,
 };
 use crate::direction::Disk;
 use crate::error::{Error, Result};
@@ -30,6 +30,8 @@ pub enum Model {
     Reversed(Reversed),
     /// With its through-beam as an explicit peak.
     Separated(Separated),
+    /// Between measured incident directions.
+    Interpolant(Interpolant),
     /// Scattered light on its way through beams.
     Filtered(Filtered),
 }
@@ -46,6 +48,7 @@ macro_rules! each {
             Model::Turned($model) => $body,
             Model::Reversed($model) => $body,
             Model::Separated($model) => $body,
+            Model::Interpolant($model) => $body,
             Model::Filtered($model) => $body,
         }
     };
@@ -102,6 +105,7 @@ impl Model {
             Self::Turned(_) => "turned",
             Self::Reversed(_) => "reversed",
             Self::Separated(_) => "separated",
+            Self::Interpolant(_) => "interpolant",
             Self::Filtered(_) => "filtered",
         }
     }
@@ -128,7 +132,7 @@ impl Model {
                 basis: basis.clone(),
                 values: values.iter().map(|v| v * factor).collect(),
             }),
-            Self::Specular(Specular::Pane(..)) | Self::Separated(_) => {
+            Self::Specular(Specular::Pane(..)) | Self::Separated(_) | Self::Interpolant(_) => {
                 Self::Sum(Sum::new(vec![(factor, Arc::new(self.clone()))])?)
             }
             Self::Beam(b) => Self::Beam(b.scaled(|_| factor)),
@@ -157,6 +161,7 @@ impl Model {
             Self::Beam(b) => b.turned(turn).map(Self::Beam),
             Self::Turned(t) => Some(t.base().turned(turn.after(t.turn()))),
             Self::Sum(s) => Some(Self::Sum(s.map(|m| m.turned(turn)))),
+            Self::Interpolant(i) => i.isotropic().then(|| self.clone()),
             Self::Filtered(f) => f.try_map(|m| Ok(m.turned(turn))).ok().map(Self::Filtered),
             Self::Specular(Specular::Patches { .. }) | Self::Reversed(_) | Self::Separated(_) => None,
         };
@@ -194,6 +199,7 @@ impl Model {
             Self::Turned(t) => Self::Turned(Turned::new(Arc::new(t.base().reciprocal()), t.turn())),
             Self::Reversed(r) => (**r.base()).clone(),
             Self::Separated(s) => Self::Separated(s.reciprocal()),
+            Self::Interpolant(_) => view(),
             Self::Filtered(f) => Self::Filtered(f.reciprocal()),
         }
     }

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use super::interpolant::{Method, Stored};
 use super::{
-    Beam, Cells, Component, Filtered, Lambertian, Matrix, Model, Rank, Reversed, Separated, Slab, Specular, Sum, Tree,
-    Turn, Turned,
+    Beam, Cells, Component, Filtered, Interpolant, Lambertian, Matrix, Model, Rank, Reversed, Separated, Slab,
+    Specular, Sum, Tree, Turn, Turned,
 };
 use crate::basis::Basis;
 use crate::direction::Scatter;
@@ -36,7 +37,7 @@ pub struct Parts {
 
 impl Parts {
     /// Kinds of models.
-    pub const KINDS: [&'static str; 15] = [
+    pub const KINDS: [&'static str; 16] = [
         "matrix",
         "tree",
         "lambertian",
@@ -52,6 +53,7 @@ impl Parts {
         "reversed",
         "separated",
         "filtered",
+        "interpolant",
     ];
 
     fn of(kind: &str) -> Self {
@@ -71,6 +73,11 @@ impl Parts {
 
     fn floats(mut self, name: &str, values: &[f64]) -> Self {
         self.arrays.push((name.into(), Array::Floats(values.to_vec())));
+        self
+    }
+
+    fn entries(mut self, name: &str, values: Vec<u32>) -> Self {
+        self.arrays.push((name.into(), Array::Entries(values)));
         self
     }
 
@@ -110,6 +117,14 @@ impl Parts {
     fn floats_there(&self, name: &str) -> Result<Vec<f64>> {
         self.get_floats(name)?
             .ok_or_else(|| self.broken(&format!("the array {name:?} is missing")))
+    }
+
+    fn entries_there(&self, name: &str) -> Result<Vec<u32>> {
+        match self.arrays.iter().find(|(n, _)| n == name) {
+            Some((_, Array::Entries(v))) => Ok(v.clone()),
+            Some(_) => Err(self.broken(&format!("the array {name:?} is not one of 32-bit entries"))),
+            None => Err(self.broken(&format!("the array {name:?} is missing"))),
+        }
     }
 
     fn get_basis(&self, index: usize) -> Result<Arc<Basis>> {
@@ -211,6 +226,17 @@ impl Model {
                 .with_models([t.base().clone()]),
             Self::Reversed(r) => Parts::of("reversed").with_models([r.base().clone()]),
             Self::Separated(s) => Parts::of("separated").with_models([s.base().clone()]),
+            Self::Interpolant(i) => {
+                let stored = i.stored();
+                Parts::of("interpolant")
+                    .number("method", f64::from(stored.method as u8))
+                    .number("isotropic", f64::from(u8::from(stored.isotropic)))
+                    .floats("distributions", &stored.distributions)
+                    .floats("lobes", &stored.lobes)
+                    .entries("covered", stored.covered)
+                    .entries("edges", stored.edges)
+                    .floats("fluxes", &stored.fluxes)
+            }
             Self::Filtered(f) => {
                 Parts::of("filtered").with_models([f.base().clone(), f.before().clone(), f.after().clone()])
             }
@@ -300,6 +326,19 @@ impl Model {
             }
             "reversed" => Self::Reversed(Reversed::new(parts.one_model()?)),
             "separated" => Self::Separated(Separated::new(parts.one_model()?)?),
+            "interpolant" => {
+                let number = parts.get_number("method")?;
+                let method = Method::ALL.into_iter().find(|&m| number == f64::from(m as u8));
+                Self::Interpolant(Interpolant::from_stored(&Stored {
+                    method: method.ok_or_else(|| parts.broken(&format!("its method is {number}")))?,
+                    isotropic: parts.get_flag("isotropic")?,
+                    distributions: parts.floats_there("distributions")?,
+                    lobes: parts.floats_there("lobes")?,
+                    covered: parts.entries_there("covered")?,
+                    edges: parts.entries_there("edges")?,
+                    fluxes: parts.floats_there("fluxes")?,
+                })?)
+            }
             "filtered" => match parts.models.as_slice() {
                 [base, before, after] => Self::Filtered(Filtered::new(base.clone(), before.clone(), after.clone())?),
                 other => return Err(parts.broken(&format!("it is made of {} models, not of three", other.len()))),
@@ -348,7 +387,27 @@ mod tests {
             Model::Reversed(Reversed::new(shared.clone())),
             Model::Separated(Separated::new(shared.clone()).unwrap()),
             Model::Filtered(Filtered::new(shared, pass.clone(), pass).unwrap()),
+            interpolant(),
         ]
+    }
+
+    fn interpolant() -> Model {
+        use crate::bsdf::interpolant::{Method, Points, Symmetry, fit};
+        use crate::progress::Progress;
+        let measured = [0.2, 0.7].map(|theta| {
+            let outgoing: Vec<Disk> = (0..200)
+                .map(|k| Disk::uniform(crate::sequence::r2(k, [0.0; 2])))
+                .collect();
+            let values: Vec<f64> = outgoing.iter().map(|o| 0.1 + 0.2 * o.x.max(0.0)).collect();
+            let points = Points {
+                outgoing: &outgoing,
+                values: &values,
+                errors: &[1e-3; 200],
+            };
+            fit(Disk::from_angles(theta, 0.0), &points).unwrap()
+        });
+        let model = Interpolant::new(&measured, Symmetry::Isotropic, Method::Transport, &Progress::default());
+        Model::Interpolant(model.unwrap())
     }
 
     #[test]

@@ -71,7 +71,7 @@ fn reverse(model: &Model) -> Result<Model> {
 
 fn has_view(model: &Model) -> bool {
     match model {
-        Model::Reversed(_) => true,
+        Model::Reversed(_) | Model::Interpolant(_) => true,
         Model::Turned(t) => has_view(t.base()),
         Model::Sum(s) => s.parts().iter().any(|(_, m)| has_view(m)),
         Model::Separated(s) => has_view(s.base()),

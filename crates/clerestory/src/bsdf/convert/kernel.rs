@@ -49,6 +49,7 @@ pub fn steps(model: &Model, incident: usize) -> usize {
         | Model::Beam(_)
         | Model::Reversed(_)
         | Model::Separated(_)
+        | Model::Interpolant(_)
         | Model::Filtered(_) => incident,
     }
 }
@@ -79,6 +80,7 @@ pub fn means(model: &Model, turn: Turn, incident: &Points, outgoing: &Points, pr
         | Model::Beam(_)
         | Model::Reversed(_)
         | Model::Separated(_)
+        | Model::Interpolant(_)
         | Model::Filtered(_) => of_points(model, turn, incident, outgoing, progress),
     }
 }
