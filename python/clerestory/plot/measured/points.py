@@ -91,12 +91,6 @@ BELOW: dict[str, Any] = {
     "markerfacecolor": "none",
     "color": "#b03060",
 }
-    "marker": "o",
-    "markersize": 3.0,
-    "markeredgewidth": 0.5,
-    "markerfacecolor": "none",
-    "color": "#b03060",
-}
 """What a value without a logarithm looks like."""
 
 
