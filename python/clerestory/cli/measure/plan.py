@@ -45,7 +45,7 @@ def plan(
     ] = None,
     symmetry: Annotated[
         str | None,
-        typer.Option("--symmetry", help="isotropic, quadrilateral, bilateral, rotational-2, none or unknown."),
+        typer.Option("--symmetry", help="isotropic, quadrilateral, left-right, up-down, rotational, none or unknown."),
     ] = None,
     weave: Annotated[str | None, typer.Option("--weave", help="none, square or rectangular.")] = None,
     cut_off: Annotated[
