@@ -29,7 +29,7 @@ print(json.dumps({"code": code, "seconds": time.perf_counter() - started, "peak"
 """
 
 
-def report(_data: Path | None = None) -> str:
+def report(_data: Path) -> str:
     """Text of the section."""
     rows = []
     for scans, points in CASES:
@@ -93,7 +93,3 @@ def _child(words: list[str]) -> dict[str, float]:
     if found["code"]:
         raise RuntimeError(done.stderr)
     return found
-
-
-if __name__ == "__main__":
-    print(report())

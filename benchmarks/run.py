@@ -19,10 +19,12 @@ import goniophotometer  # noqa: E402
 import loading  # noqa: E402
 import lookups  # noqa: E402
 import measure_fit  # noqa: E402
+import measure_import  # noqa: E402
 import rays  # noqa: E402
 import rooms  # noqa: E402
 import round_robin  # noqa: E402
 import shading  # noqa: E402
+import systems  # noqa: E402
 import treatments  # noqa: E402
 import year_chain  # noqa: E402
 import year_growth  # noqa: E402
@@ -45,7 +47,11 @@ CHAPTERS = {
         "round-robin": round_robin.report,
     },
     "Measurements": {
+        "measure-import": measure_import.report,
         "measure-fit": measure_fit.report,
+    },
+    "Window systems": {
+        "systems": systems.report,
     },
     "Rooms": {
         "rooms": rooms.report,

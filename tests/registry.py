@@ -310,7 +310,7 @@ def _cases() -> list[Case]:
         Case("separated tree", lambda: _tree_with_beam().separate_peaks(), square(16)),
         Case(
             "separated reverse of an isotropic tree",
-            lambda: transmission(_isotropic_beam().reciprocal()).separate_peaks(),
+            lambda: transmission(isotropic_beam().reciprocal()).separate_peaks(),
             backwards(32),
             conserving=False,
             beams=0.2,
@@ -360,9 +360,9 @@ def _cases() -> list[Case]:
         Case("tree seen through beams", lambda: transmission(tree_model(4, 3).filtered(_PASS, _PASS)).rotated(12.0)),
         Case(
             "window at its layers' own resolution",
-            lambda: Window(
-                [Layer("pane", pane=glass("clear", 0.006)), Layer("shade", bsdf=_diffuser(small))]
-            ).sharpened(basis=small),
+            lambda: Window([Layer("pane", pane=glass("clear", 0.006)), Layer("shade", bsdf=_SHADE)]).sharpened(
+                basis=small
+            ),
         ),
         # At the horizon the density of a lobe does not fall with the cosine, and the points of cells are coarse.
         *(
@@ -399,7 +399,7 @@ def _tree_with_beam() -> Bsdf:
     return _read_tree(4, node(0, (0, 0, 0, 0)))
 
 
-def _isotropic_beam() -> Model:
+def isotropic_beam() -> Model:
     """A beam in the finest cells about the straight direction, over a diffuse floor, as a tree of rank 3."""
     n = 32
 
@@ -435,6 +435,14 @@ _COMPONENTS: list[tuple[Side, Scatter]] = [
     (side, scatter) for side in ("exterior", "interior") for scatter in ("transmission", "reflection")
 ]
 
+
+#: A diffuser with holes.
+_SHADE = Bsdf.from_models(
+    {
+        key: Model.sum([(1.0, Model.lambertian(0.3)), (1.0, Model.specular(0.2 if key[1] == "transmission" else 0.05))])
+        for key in _COMPONENTS
+    }
+)
 
 CASES = {case.name: case for case in _cases()}
 

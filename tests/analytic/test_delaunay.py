@@ -1,4 +1,4 @@
-"""Surfaces through scattered points reproduce what is linear, integrate what is known, and say what was not measured."""
+"""Surfaces through points reproduce what is linear, integrate what is known, and say what was not measured."""
 
 import numpy as np
 import pytest

@@ -6,10 +6,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from clerestory import Basis
+from clerestory import Basis, Bsdf
 from clerestory.bsdf import Region
 from partition import MIDDLE, low_discrepancy
-from registry import CASES, incident_directions, outgoing
+from registry import CASES, incident_directions, isotropic_beam, outgoing
 from samples import ROOT
 
 #: Equally spaced numbers to choose by, and others to go with them.
@@ -59,6 +59,16 @@ def test_energy_is_not_made(case):
         for band in case.bsdf.bands:
             total = sum(case.bsdf.integrate(i, scatter, band=band) for scatter in case.scatters(side))
             assert total.max() <= 1 + 1e-12
+
+
+def test_separated_peaks_keep_the_energy_of_the_side_that_was_not_measured():
+    """An isotropic tree's reverse has no table of its own: its total stays what it was without the beam."""
+    separated = CASES["separated reverse of an isotropic tree"].bsdf
+    ((side, scatter),) = separated.models["visible"]
+    whole = Bsdf.from_models({(side, scatter): isotropic_beam().reciprocal()})
+    i = Basis.named("klems-full").incident_centres(side)
+    assert separated.integrate(i, scatter, part="direct").max() > 0.1
+    np.testing.assert_allclose(separated.integrate(i, scatter), whole.integrate(i, scatter), rtol=1e-9)
 
 
 @by_case

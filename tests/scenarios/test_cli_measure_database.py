@@ -266,3 +266,15 @@ def test_what_a_person_gives_to_other_commands(folder, capsys):
     with pytest.raises(ClerestoryError, match="nothing to read"):
         contents_given([])
     assert isinstance(read("files"), Contents)
+
+
+@pytest.mark.parametrize("form", ["mountain", "astm", "csv"])
+def test_what_is_exported_can_be_imported(folder, capsys, form):
+    run(capsys, "import", "twill")
+    code, out, err = run(capsys, "export", "twill", "--format", form, "-o", "out", "--json")
+    assert code == 0, err
+    assert all((folder / path).is_file() for path in json.loads(out)["written"])
+    code, _, err = run(capsys, "import", "out", "--db", "other.sqlite", "--sample", "again")
+    assert code == 0, err
+    with Database.open("other.sqlite") as database:
+        assert {scan.theta_deg for scan in database.stored_scans()} == {0.0, 20.0, 40.0}

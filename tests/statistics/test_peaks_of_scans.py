@@ -39,7 +39,9 @@ def test_planted_peaks_are_found_and_nothing_else(seed):
     assert len(found) == len(PLANTED)
     for theta, phi, height, width in PLANTED:
         at = direction(theta, phi, side="interior")
-        (near,) = [p for p in found if direction(p.theta_deg, p.phi_deg, side="interior") @ at > np.cos(np.radians(2.0))]
+        (near,) = [
+            p for p in found if direction(p.theta_deg, p.phi_deg, side="interior") @ at > np.cos(np.radians(2.0))
+        ]
         assert np.degrees(np.arccos(direction(near.theta_deg, near.phi_deg, side="interior") @ at)) < 0.75
         assert near.bsdf == pytest.approx(height, rel=0.5)
         assert near.width_deg == pytest.approx(2.355 * width, rel=0.2)

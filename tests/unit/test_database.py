@@ -429,3 +429,24 @@ def test_files_that_tell_of_another_sample_of_that_name_are_odd(database):
     assert added.scans == 1
     assert database.measurement("clear").warnings == tuple(added.warnings)
     assert database.sample("clear").thickness_mm == 3.05
+
+
+def test_several_who_make_one_at_once(tmp_path):
+    start, errors = threading.Barrier(4), []
+
+    def make():
+        start.wait()
+        try:
+            with Database.open(tmp_path / "lab.sqlite", create=True) as opened:
+                opened.describe_sample("twill")
+        except BaseException as error:
+            errors.append(error)
+
+    threads = [threading.Thread(target=make) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(60.0)
+    assert errors == []
+    with Database.open(tmp_path / "lab.sqlite") as opened:
+        assert [sample.name for sample in opened.samples()] == ["twill"]

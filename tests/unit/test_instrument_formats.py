@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import instrument_files as files
-from clerestory._core import ClerestoryError, FileFormatError, UnsupportedError
-from clerestory.measure.formats import FORMATS, all_formats
+from clerestory._core import ClerestoryError, FileFormatError
+from clerestory.measure.formats import FORMATS, UnknownFormatError, all_formats
 from samples import ABSENT, sample_root
 
 
@@ -264,7 +264,7 @@ def test_a_workbook_is_refused_with_what_to_export():
     workbook = import_module("clerestory.measure.formats.workbook")
     old = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(100)
     assert workbook.recognises(old, "a.xls")
-    with pytest.raises(UnsupportedError, match=r"export text: \.jdv"):
+    with pytest.raises(UnknownFormatError, match=r"export text from its program \(\.jdv"):
         workbook.read(old, "a.xls")
 
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import KDTree
 
 import instrument_files as files
-from clerestory import ClerestoryError
+from clerestory import ClerestoryError, measure
 from clerestory.directions import direction
 from clerestory.measure import Measurement, Scan
 from clerestory.measure.formats import lighttools, reflectances, zemax
@@ -113,6 +113,10 @@ def test_what_a_file_cannot_say_is_refused():
         zemax.write(Measurement("film", (one, lambertian(40.0, 0.0))))
     with pytest.raises(ClerestoryError, match="signal"):
         zemax.write(Measurement("film", (replace(one, quantity="signal"),)))
+    few = one.theta_deg < 8.0
+    sparse = replace(one, theta_deg=one.theta_deg[few], phi_deg=one.phi_deg[few], values=one.values[few])
+    with pytest.raises(ClerestoryError, match="points of light from 30° cover less than half"):
+        zemax.write(Measurement("film", (sparse,)))
     with pytest.raises(ClerestoryError, match="no scan"):
         lighttools.write(Measurement("film", (replace(one, purpose="dark"),)))
     with pytest.raises(ClerestoryError, match="one set"):
@@ -129,6 +133,34 @@ def test_the_normal_serves_every_azimuth_and_channels_get_files_of_their_own():
         "a_film_1_exterior_btdf_solar.bsdf",
         "a_film_1_exterior_btdf_visible.bsdf",
     ]
+
+
+def test_the_other_half_of_a_symmetric_table_is_mirrored_for_zemax():
+    half = zemax.read(files.zemax(), "a.bsdf").measurements[0]
+    other = [replace(scan, phi_deg=2.0 * scan.incident_phi_deg - scan.phi_deg) for scan in half.scans]
+    (data,) = zemax.write(Measurement("paint", tuple(other))).values()
+    assert b"Symmetry\tASymmetrical\n" in data
+    back = zemax.read(data, "paint.bsdf").measurements[0]
+    for one, both in zip(half.scans, back.scans, strict=True):
+        away, nearest = KDTree(both.outgoing).query(one.outgoing)
+        assert away.max() < 1e-6
+        np.testing.assert_allclose(both.values[nearest], one.values, atol=1e-6)
+
+
+def test_files_are_written_whole_with_what_they_leave_out(tmp_path):
+    scans = (lambertian(40.0), lambertian(40.0, scatter="reflection"), lambertian(40.0, purpose="dark"))
+    scans = (replace(scans[0], standard_errors=0.1 * scans[0].values), *scans[1:])
+    done = measure.write(Measurement("film", scans), tmp_path / "set", "lighttools")
+    assert sorted(path.name for path in done.paths) == ["film.bsdf", "film_exterior_RTfile.txt"]
+    assert [note.split(" left out")[0] for note in done.notes] == [
+        "standard errors of 1 scan",
+        "the beam or the dark of 1 scan",
+    ]
+    back = measure.read(tmp_path / "set")
+    assert [(m.sample, len(m.scans)) for m in back.measurements] == [("film", 2)]
+    assert len(back.sphere_values) == 2
+    with pytest.raises(ClerestoryError, match="not a finite number"):
+        measure.write(Measurement("film", (replace(scans[1], values=np.nan * scans[1].values),)), tmp_path, "zemax")
 
 
 def test_half_of_a_symmetric_table_is_mirrored_for_lighttools():

@@ -64,7 +64,8 @@ def test_a_peak_stands_where_the_sample_sends_it(tmp_path, front, up, transmitte
     np.testing.assert_allclose(scan.incident, turn * unit(30.0, 20.0), atol=1e-6)
     brightest = scan.outgoing[np.argmax(scan.values[:, 0])]
     assert np.degrees(np.arccos(brightest @ (turn * peak_of(30.0, 20.0, transmitted=transmitted)))) < 3.0
-    assert scan.quantity == "dsf" and scan.scatter == ("transmission" if transmitted else "reflection")
+    assert scan.quantity == "dsf"
+    assert scan.scatter == ("transmission" if transmitted else "reflection")
 
 
 @pytest.mark.parametrize(("word", "quantity"), [("DSF", "dsf"), ("BSDF", "bsdf"), ("BRDF", "bsdf"), ("btdf", "bsdf")])
@@ -104,12 +105,14 @@ def test_several_directions_and_both_sides_in_one_file(tmp_path):
     (measurement,) = read_text(tmp_path, text).measurements
     shown = [(s.incident_theta_deg, s.scatter, s.values[:, 0].tolist()) for s in measurement.scans]
     assert shown == [(30.0, "reflection", [1.0, 2.0]), (30.0, "transmission", [3.0]), (50.0, "reflection", [4.0])]
-    assert "#intheta 50" in measurement.scans[2].source.header and "# between" in measurement.scans[0].source.header
+    assert "#intheta 50" in measurement.scans[2].source.header
+    assert "# between" in measurement.scans[0].source.header
 
 
 def test_transmission_below_90_is_understood_when_it_is_said(tmp_path):
     scan = only(read_text(tmp_path, HEAD + ROW, scatter="transmission"))
-    assert scan.scatter == "transmission" and scan.theta_deg == [10.0]
+    assert scan.scatter == "transmission"
+    assert scan.theta_deg == [10.0]
     assert "side that it leaves to" in scan.source.convention
 
 
@@ -137,8 +140,10 @@ def test_grids_come_to_the_stated_transmittance(tmp_path, step):
     body = grid_of_a_diffuser(step, 0.5 / np.pi)
     contents = read_text(tmp_path, iea_text(head="# hemispherical transmittance: 0.5\n# isym: 4\n", body=body))
     scan = only(contents)
-    assert contents.warnings == () and contents.measurements[0].sample == "twill"
-    assert scan.conditions["hemispherical"] == "0.5" and scan.conditions["symmetry"].startswith("isym 4")
+    assert contents.warnings == ()
+    assert contents.measurements[0].sample == "twill"
+    assert scan.conditions["hemispherical"] == "0.5"
+    assert scan.conditions["symmetry"].startswith("isym 4")
     wrong = read_text(tmp_path, iea_text(head="# hemispherical transmittance: 43 %\n", body=body))
     assert re.search("come to a hemispherical value of 0.(49|5).*, and the file states 0.43", wrong.warnings[0])
     few = read_text(
@@ -169,7 +174,8 @@ def test_columns_that_are_not_named_are_guessed_and_said(tmp_path):
     usual = read_text(tmp_path, head + "200 150 1\n")
     swapped = read_text(tmp_path, head + "150 200 1\n")
     for contents in (usual, swapped):
-        assert only(contents).theta_deg == [30.0] and "does not name the columns" in contents.warnings[0]
+        assert only(contents).theta_deg == [30.0]
+        assert "does not name the columns" in contents.warnings[0]
 
 
 # ASTM E2387
@@ -182,9 +188,11 @@ def astm_text(vars_="value", rows="0.5,0,0.5,3.14159265358979,0.25\n", head=""):
 def test_radians_and_the_mirrored_direction(tmp_path):
     contents = read_text(tmp_path, astm_text())
     scan = only(contents)
-    assert contents.measurements[0].sample == "plate" and scan.conditions["wavelength_nm"] == "633"
+    assert contents.measurements[0].sample == "plate"
+    assert scan.conditions["wavelength_nm"] == "633"
     np.testing.assert_allclose(scan.outgoing[0], scan.incident * [-1, -1, 1], atol=1e-12)
-    assert "radians" in scan.source.convention and "assumed" in scan.source.convention
+    assert "radians" in scan.source.convention
+    assert "assumed" in scan.source.convention
 
 
 @pytest.mark.parametrize(
@@ -193,7 +201,8 @@ def test_radians_and_the_mirrored_direction(tmp_path):
 )
 def test_columns_of_colour(tmp_path, vars_, channels):
     scan = only(read_text(tmp_path, astm_text(vars_, "0.5,0,0.5,-1,1,2,3\n")))
-    assert scan.channels == channels and scan.values.tolist() == [[1.0, 2.0, 3.0]]
+    assert scan.channels == channels
+    assert scan.values.tolist() == [[1.0, 2.0, 3.0]]
 
 
 def test_one_column_without_a_name_and_values_with_the_cosine(tmp_path):
@@ -203,7 +212,8 @@ def test_one_column_without_a_name_and_values_with_the_cosine(tmp_path):
 
 def test_degrees_where_radians_should_be(tmp_path):
     contents = read_text(tmp_path, astm_text(rows="30,0,45,180,0.25\n"))
-    assert only(contents).theta_deg == [45.0] and "taken for degrees" in contents.warnings[0]
+    assert only(contents).theta_deg == [45.0]
+    assert "taken for degrees" in contents.warnings[0]
 
 
 def test_rows_of_directions_in_any_order(tmp_path):
@@ -234,7 +244,8 @@ def test_columns_of_the_virtual_goniophotometer(tmp_path):
 
     contents = read_text(tmp_path, "\n".join([",".join(SCAN_COLUMNS), *rows]))
     scan = only(contents)
-    assert scan.channels == ("visible", "solar") and scan.values.tolist() == [[0.1, 0.3], [0.2, 0.4]]
+    assert scan.channels == ("visible", "solar")
+    assert scan.values.tolist() == [[0.1, 0.3], [0.2, 0.4]]
     assert scan.standard_errors.tolist() == [[0.001, 0.003], [0.002, 0.004]]
     assert [(v.collected, v.values.tolist(), v.bands) for v in contents.sphere_values] == [
         ("direct", [0.3], ("visible",)),
@@ -283,7 +294,22 @@ def test_front_and_back_of_a_table(tmp_path):
 # What is written is read
 
 
-def assert_same(scan, again, keys_keep_blanks=True):
+def unescaped(conditions):
+    """Keys that mean something else in ASTM's tables are marked there."""
+    return {key.removeprefix("CONDITION_"): value for key, value in conditions.items()}
+
+
+def _order(scan):
+    light = (
+        scan.incident_side,
+        scan.scatter,
+        round(scan.incident_theta_deg, 9),
+        round(scan.incident_phi_deg, 9) % 360.0,
+    )
+    return (*light, scan.channels, scan.quantity, scan.purpose, sorted(scan.conditions.items()), scan.values.tolist())
+
+
+def assert_same(scan, again):
     assert (again.incident_side, again.scatter, again.quantity, again.purpose) == (
         scan.incident_side,
         scan.scatter,
@@ -295,14 +321,15 @@ def assert_same(scan, again, keys_keep_blanks=True):
 
 
 @pytest.mark.parametrize("kind", TEXT)
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(measurement=measurements())
 def test_write_then_read_gives_the_same_points(tmp_path_factory, kind, measurement):
     folder = tmp_path_factory.mktemp("out")
     written = measure.write(measurement, folder, kind)
     (again,) = measure.read(folder).measurements
     assert again.sample == " ".join(measurement.sample.split())
-    assert len(written.paths) >= 1 and written.notes == ()
+    assert len(written.paths) >= 1
+    assert written.notes == ()
     # Channels may have files of their own.
     left = [(scan, k) for scan in again.scans for k in range(len(scan.channels))]
     for scan in measurement.scans:
@@ -317,20 +344,17 @@ def test_write_then_read_gives_the_same_points(tmp_path_factory, kind, measureme
                     and other.incident @ scan.incident > 1.0 - 1e-12
                     and (other.quantity, other.purpose) == (scan.quantity, scan.purpose)
                     and np.allclose(other.outgoing, scan.outgoing, atol=1e-9)
+                    and unescaped(other.conditions) == dict(scan.conditions)
                 ),
                 None,
             )
             assert found is not None, (scan, [s for s, _ in left])
             left = [pair for pair in left if pair[0] is not found[0] or pair[1] != found[1]]
-            conditions = {
-                k.replace("CONDITION_", "").replace("condition ", ""): v for k, v in found[0].conditions.items()
-            }
-            assert conditions == dict(scan.conditions)
     assert not left
 
 
 @pytest.mark.parametrize("kind", TEXT)
-@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(measurement=measurements())
 def test_reading_writing_and_reading_loses_nothing(tmp_path_factory, kind, measurement):
     first, second = tmp_path_factory.mktemp("first"), tmp_path_factory.mktemp("second")
@@ -338,14 +362,17 @@ def test_reading_writing_and_reading_loses_nothing(tmp_path_factory, kind, measu
     (a,) = measure.read(first).measurements
     measure.write(a, second, kind)
     (b,) = measure.read(second).measurements
-    assert len(a.scans) == len(b.scans) and a.sample == b.sample
-    for one, two in zip(a.scans, b.scans, strict=True):
+    assert len(a.scans) == len(b.scans)
+    assert a.sample == b.sample
+    # Files of single channels are named otherwise than those of a scan with several, and come in another order.
+    for one, two in zip(sorted(a.scans, key=_order), sorted(b.scans, key=_order), strict=True):
         assert_same(one, two)
-        assert one.channels == two.channels and dict(one.conditions) == dict(two.conditions)
+        assert one.channels == two.channels
+        assert dict(one.conditions) == dict(two.conditions)
         np.testing.assert_array_equal(one.values, two.values)
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(scan=scans(quantities=("signal", "bsdf"), errors=True))
 def test_csv_holds_signals_and_standard_errors(tmp_path_factory, scan):
     folder = tmp_path_factory.mktemp("csv")
@@ -373,7 +400,7 @@ def test_what_a_format_cannot_hold_is_refused_or_said(tmp_path, kind):
 
 def test_several_files_do_not_get_one_name(tmp_path):
     two = Measurement("s", (one_scan(), one_scan()))
-    with pytest.raises(ClerestoryError, match="needs 2 files"):
+    with pytest.raises(ClerestoryError, match="makes 2 files"):
         measure.write(two, tmp_path / "one.txt", "mountain")
     written = measure.write(two, tmp_path / "folder", "mountain")
     assert [path.name for path in written.paths] == [
@@ -404,11 +431,14 @@ def test_a_folder_of_mixed_files_is_one_import(tmp_path):
     (tmp_path / "notes.txt").write_text("measured on a rainy day\n")
     contents = measure.read(tmp_path)
     (measurement,) = contents.measurements
-    assert measurement.sample == "twill" and len(measurement) == 2
-    assert contents.warnings == ("notes.txt: no measurement, left out", "photo.jpg: no measurement, left out")
-    packed = measurement.scans[1].source
+    assert measurement.sample == "twill"
+    assert len(measurement) == 2
+    assert contents.warnings == tuple(
+        f"{name}: no format of measurements is recognised; left out" for name in ("notes.txt", "photo.jpg")
+    )
+    (packed,) = (scan.source for scan in measurement.scans if scan.source.format == "IEA Task 21")
     assert packed.sha256 == hashlib.sha256((tmp_path / "y.bin").read_bytes()).hexdigest()
-    with pytest.raises(FileFormatError, match="notes.txt: no format"):
+    with pytest.raises(FileFormatError, match=r"notes\.txt: no format"):
         measure.read(tmp_path, strict=True)
     assert measure.read([tmp_path / "a", tmp_path / "y.bin"], sample="other").measurements[0].sample == "other"
 

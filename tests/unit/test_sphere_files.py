@@ -209,6 +209,7 @@ def test_every_product_loads():
         .sphere_values
         for name in ("CLEAR_3.DAT", "igsdb_v1_clear_3.json", "igsdb_v2_clear_3.json")
     }
+    assert {v.sample for values in of.values() for v in values} == {"Generic Clear Glass (NFRC 102)"}
     spectra = [pick(v, incident_side="exterior", scatter="transmission") for v in of.values()]
     for other in spectra[1:]:
         np.testing.assert_allclose(other.values, spectra[0].values, atol=1e-6)

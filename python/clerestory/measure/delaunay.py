@@ -124,7 +124,7 @@ class Surface:
         return Integral(per_triangle.sum(axis=0), per_triangle[~self.measured_triangles].sum(axis=0))
 
     def onto(self, basis: Basis, *, across: int = 8) -> tuple[Floats, Floats]:
-        """Mean BSDF of patches by projected solid angle (patches, channels), and how much of each was measured (0 to 1).
+        """Mean BSDF of patches by projected solid angle (patches, channels), and the share of each that was measured.
 
         Parameters
         ----------
@@ -271,7 +271,7 @@ def _onto_plane(outgoing: Floats) -> Floats:
 def _on_sphere(places: Floats) -> Floats:
     """Directions (n, 3) of places, all toward one side."""
     r2 = (places**2).sum(axis=1)[:, None]
-    return np.hstack([2.0 * places, 1.0 - r2]) / (1.0 + r2)
+    return np.asarray(np.hstack([2.0 * places, 1.0 - r2]) / (1.0 + r2))
 
 
 def _inside(places: Floats) -> Floats:
@@ -310,4 +310,4 @@ def _held(values: Floats, places: Floats, interpolated: Interpolated) -> Floats:
     if not (largest > 0.0).all():
         raise ClerestoryError("no value is above 0, so none has a logarithm (interpolate the BSDF itself)")
     least = np.where(values > 0.0, values, np.inf).min(axis=0)
-    return np.log(np.maximum(values, np.maximum(least, largest * 10.0**-_DECADES)))
+    return np.asarray(np.log(np.maximum(values, np.maximum(least, largest * 10.0**-_DECADES))))

@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from clerestory._core import ClerestoryError, FileFormatError, UnsupportedError, gunzip
+from clerestory._core import ClerestoryError, FileFormatError, gunzip
 from clerestory.files import named
 from clerestory.measure.contents import Contents
 from clerestory.measure.formats import FORMATS, UnknownFormatError, all_formats, table
@@ -83,12 +83,11 @@ def read(
             try:
                 parts.append(_read(inner, choices))
                 found += 1
-            except (UnknownFormatError, UnsupportedError) as error:
+            except UnknownFormatError as error:
                 if strict:
                     raise
-                known = isinstance(error, UnsupportedError)
-                why = str(error).removeprefix(f"{inner}: ") if known else "no measurement, left out"
-                parts.append(Contents(warnings=(f"{inner.relative_to(path)}: {why}",)))
+                why = str(error).removeprefix(f"{inner}: ").partition(" (")[0]
+                parts.append(Contents(warnings=(f"{inner.relative_to(path)}: {why}; left out",)))
         if not found:
             raise ClerestoryError(f"{path}: no measurement in the folder (`docs/measurements.md` lists the formats)")
     return Contents.together(parts)

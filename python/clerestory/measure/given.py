@@ -44,7 +44,7 @@ def contents_given(
     place = location(database)
     wanted = database is not None or not all(Path(word).exists() for word in words)
     if not wanted or (database is None and not place.exists()):
-        return read([Path(word) for word in words], **choices)
+        return read([Path(word) for word in words], strict=False, **choices)
     with Database.open(place) as opened:
         samples = {str(word) for word in words} & {sample.name for sample in opened.samples()}
         parts, paths = [], []
@@ -57,7 +57,7 @@ def contents_given(
                 raise ClerestoryError(
                     f"{word}: neither a file nor a sample of {place} (`clerestory measure list samples` names them)"
                 )
-    return Contents.together([*parts, *([read(paths, **choices)] if paths else [])])
+    return Contents.together([*parts, *([read(paths, strict=False, **choices)] if paths else [])])
 
 
 def measurement_given(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -78,13 +79,30 @@ def load(
     from collections.abc import Mapping
 
     if isinstance(source, Mapping):
-        return _made(Specification.of(source), Path(), [], tell)
+        return _made(_checked(source), Path(), [], tell)
     path = SYSTEMS.find(str(source))
     try:
-        return _made(Specification.of(read_toml(path)), path.parent, [path], tell)
+        return _made(_checked(read_toml(path)), path.parent, [path], tell)
     except ClerestoryError as error:
         text = str(error)
         raise type(error)(text if text.startswith(f"{source}:") else f"{source}: {text}") from None
+
+
+def _checked(tables: Mapping[str, Any]) -> Specification:
+    """The keys of a specification; faults of a layer name it by number and name."""
+    try:
+        return Specification.of(tables)
+    except RecipeError as error:
+        found = re.match(r"layers\[(\d+)\]\.?(.*)", str(error), re.DOTALL)
+        if found is None:
+            raise
+        number = int(found[1])
+        table = tables["layers"][number - 1]
+        table = table if isinstance(table, dict) else {}
+        name = next((str(table[key]) for key in ("name", "file", "glass", "kind") if key in table), "no name")
+        # A pane's kind is a key of it too, which its place would name before the key.
+        text = re.sub(r"^glass\.(?=\w)", "", found[2].removeprefix(": "))
+        raise RecipeError(f"layer {number} ({name}): {text}") from None
 
 
 def _made(
@@ -102,6 +120,9 @@ def _made(
             layer = _layer(keys, folder, basis, sources, tell)
         except ClerestoryError as error:
             raise RecipeError(f"layer {number} ({_called(keys)}): {error}") from None
+        except OSError as error:
+            reason = f"{error.filename}: {error.strerror}" if error.strerror else str(error)
+            raise RecipeError(f"layer {number} ({_called(keys)}): {reason} (check the file)") from None
         solids.append(replace(layer.flipped() if keys.flipped else layer, number=number))
     name = specification.system.name or " + ".join(layer.name for layer in solids)
     return Specified(specification, Window(solids, gaps), name, sources)
@@ -132,7 +153,7 @@ def _layer(
 
 def _thermal(keys: GlassKeys | FileKeys | RecipeKeys, known: Thermal) -> Thermal:
     """What the specification says goes before what the file says."""
-    given: dict[str, float] = {
+    given: dict[str, Any] = {
         key: value
         for key in ("emissivity_exterior", "emissivity_interior", "tir", "conductivity", "openness")
         if (value := getattr(keys, key)) is not None
@@ -143,7 +164,8 @@ def _thermal(keys: GlassKeys | FileKeys | RecipeKeys, known: Thermal) -> Thermal
     edges = keys.edges_mm
     if edges is None:
         return found
-    return replace(found, edges_m=tuple(mm / 1000.0 for mm in (edges.top, edges.bottom, edges.left, edges.right)))
+    top, bottom, left, right = (mm / 1000.0 for mm in (edges.top, edges.bottom, edges.left, edges.right))
+    return replace(found, edges_m=(top, bottom, left, right))
 
 
 def _glass(keys: GlassKeys, folder: Path, sources: list[Path]) -> Layer:

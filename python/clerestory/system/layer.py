@@ -158,7 +158,7 @@ def refuse_gain(bsdf: Bsdf, bands: Iterable[str]) -> None:
     for band in bands:
         for side in SIDES:
             incident = direction(np.repeat(theta, 4), np.tile([45.0, 135.0, 225.0, 315.0], 4), side=side)
-            total = sum(bsdf.integrate(incident, scatter, band=band) for scatter in SCATTERS)
+            total = np.sum([bsdf.integrate(incident, scatter, band=band) for scatter in SCATTERS], axis=0)
             worst = int(np.argmax(total))
             if total[worst] > 1.0 + GAIN:
                 raise ClerestoryError(

@@ -142,7 +142,7 @@ class Scattered:
 
     def emitted(self, beams: Beams, side: int) -> Floats:
         """Emitted from each face (f, n, n) for light from outside: face, outgoing patch, incident patch."""
-        return np.einsum("fpgq,qg->fpq", self.often, beams.entering[side][:, self.faces])
+        return np.asarray(np.einsum("fpgq,qg->fpq", self.often, beams.entering[side][:, self.faces]))
 
 
 @dataclass(frozen=True)

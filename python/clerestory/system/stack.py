@@ -8,6 +8,7 @@ from clerestory import _core
 from clerestory.basis import Basis
 from clerestory.bsdf import Bsdf
 from clerestory.directions import SCATTERS, SIDES, direction
+from clerestory.integrals import hemispherical
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -15,14 +16,16 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from clerestory.directions import Side
+    from clerestory.directions import Scatter, Side
+    from clerestory.model import Model
 
 
 class System:
     """A window of layers; made by `stack`."""
 
-    def __init__(self, core: _core.System) -> None:
+    def __init__(self, core: _core.System, notes: Iterable[str] = ()) -> None:
         self._core = core
+        self._notes = list(notes)
 
     @property
     def bsdf(self) -> Bsdf:
@@ -42,7 +45,7 @@ class System:
     @property
     def warnings(self) -> list[str]:
         """What was taken by reciprocity, left out, or sends out more light than it gets."""
-        return self._core.bsdf.warnings
+        return [*self._notes, *self._core.bsdf.warnings]
 
     def __len__(self) -> int:
         """Return the number of layers."""
@@ -92,8 +95,8 @@ def stack(
     Parameters
     ----------
     layers
-        Outermost first. Matrices must be written on `basis`; panes, diffusers and beams need no basis.
-        Trees and other models are converted with a line in `System.warnings`.
+        Outermost first. Panes, diffusers and beams need no basis. Matrices on other patches, trees and other models are
+        converted with a line in `System.warnings` that states the error.
     basis
         Patches: a name as in `Basis.named`, or a basis.
     specular
@@ -104,7 +107,7 @@ def stack(
     MissingDataError
         A layer has no reflection on some side, or the layers have no band in common.
     ClerestoryError
-        There is no layer, or a layer is written on other patches. The text names the layer.
+        There is no layer, or light between two of them never leaves. The text names the layer.
 
     References
     ----------
@@ -112,4 +115,29 @@ def stack(
     100.
     """
     chosen = Basis.named(basis) if isinstance(basis, str) else basis
-    return System(_core.System.stack([layer._core for layer in layers], chosen._core, specular))
+    made = [_on_basis(layer, chosen, number) for number, layer in enumerate(layers, 1)]
+    core = _core.System.stack([layer._core for layer, _ in made], chosen._core, specular)
+    return System(core, [note for _, notes in made for note in notes])
+
+
+def _on_basis(layer: Bsdf, basis: Basis, number: int) -> tuple[Bsdf, list[str]]:
+    """The layer with matrices of other patches converted, and what that changed."""
+    converted: dict[str, dict[tuple[Side, Scatter], Model]] = {}
+    notes = []
+    for band, models in layer.models.items():
+        for (side, scatter), model in models.items():
+            if model.kind != "matrix" or model.incident_basis == basis == model.outgoing_basis:
+                continue
+            made = Bsdf.from_models({(side, scatter): model}).to_matrix(basis)
+            converted.setdefault(band, {})[side, scatter] = made.models["visible"][side, scatter]
+            here, there = (_hemispherical(m, scatter, side) for m in (model, made.models["visible"][side, scatter]))
+            notes.append(
+                f"layer {number}, band {band!r}: {scatter} for light from the {side} converted from "
+                f"{model.incident_basis.name} to {basis.name}, which changes its hemispherical value by "
+                f"{abs(there - here):.1e}"
+            )
+    return (layer.with_models(converted) if converted else layer), notes
+
+
+def _hemispherical(model: Model, scatter: Scatter, side: Side) -> float:
+    return hemispherical(Bsdf.from_models({(side, scatter): model}), scatter, side=side, samples=1).value

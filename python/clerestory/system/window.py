@@ -64,7 +64,7 @@ class Built:
         """
         if band not in self.absorbed:
             raise MissingDataError(f"the window has no band {band!r} (it has {', '.join(self.absorbed)})")
-        return self.absorbed[band][SIDES.index(side)]
+        return np.asarray(self.absorbed[band][SIDES.index(side)])
 
     @property
     def matrices(self) -> Bsdf:

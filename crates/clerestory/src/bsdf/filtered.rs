@@ -24,7 +24,7 @@ pub struct Filtered {
 }
 
 /// Points for a mean over the disk, and over a patch.
-const POINTS: u32 = 256;
+const POINTS: u32 = 4096;
 const PATCH_POINTS: u32 = 64;
 /// Samples for a direct-hemispherical value where there is no table.
 const SAMPLES: u32 = 4096;
@@ -97,9 +97,18 @@ impl Filtered {
         .expect("a beam backwards is one")
     }
 
+    /// What leaves of light that reached the base, where that is known without sampling.
+    fn known(&self, incident: Disk) -> Option<f64> {
+        match (&*self.base, &self.means) {
+            (Model::Matrix(matrix), Some(means)) => Some(of_matrix(matrix, means, incident)),
+            (Model::Lambertian(diffuser), _) => Some(diffuser.value() * self.mean),
+            _ => None,
+        }
+    }
+
     fn scattered(&self, incident: Disk) -> f64 {
-        if let (Model::Matrix(matrix), Some(means)) = (&*self.base, &self.means) {
-            return of_matrix(matrix, means, incident);
+        if let Some(known) = self.known(incident) {
+            return known;
         }
         let total = self.base.total(incident, Part::Scattered).value;
         // The mean is known without sampling; samples tell how the light differs from it.
@@ -196,7 +205,10 @@ impl Scatterer for Filtered {
     }
 
     fn weight(&self, incident: Disk) -> f64 {
-        value(&self.before, incident) * self.base.weight(incident) * self.mean
+        let after = self
+            .known(incident)
+            .unwrap_or_else(|| self.base.weight(incident) * self.mean);
+        value(&self.before, incident) * after
     }
 
     fn resolution(&self, incident: Disk) -> f64 {

@@ -151,6 +151,9 @@ def _scans(
 
     form = one_of(format_, "--format", tuple(writable_formats()))
     measurement = measurement_given([data], sample=sample, database=db)
+    other = {v.sample for v in values} - {measurement.sample, ""}
+    if other:
+        note(f"warning: scans of {measurement.sample!r} beside a sphere's values of {', '.join(sorted(other))!r}")
     if output is None:
         _tell(of_scans(measurement, values, standard=standard), None, (), (), picture, [], as_json=as_json)
         return
@@ -178,7 +181,15 @@ def _tell(
         save(draw(before, after), picture)
         written = [*written, picture]
     if as_json:
-        print_json({"before": before, "after": after, "factors": factors, "warnings": warnings, "written": written})
+        print_json(
+            {
+                "before": _rows(before),
+                "after": None if after is None else _rows(after),
+                "factors": factors,
+                "warnings": warnings,
+                "written": written,
+            }
+        )
         return
     later = {row.where: row.modelled for row in after.rows} if after is not None else {}
     rows = [
@@ -198,5 +209,14 @@ def _tell(
     )
     for text in warnings:
         note(f"warning: {text}")
+    folders = {path.parent for path in written if path != picture}
+    if len(written) > 3 and len(folders) == 1:
+        note(f"wrote {len(written) - (picture in written)} files to {next(iter(folders))}")
+        written = [path for path in written if path == picture]
     for path in written:
         note(f"wrote {path}")
+
+
+def _rows(agreement: Agreement) -> list[dict[str, object]]:
+    """Values side by side as JSON shows them."""
+    return [{**vars(row), "difference": row.difference, "ratio": row.ratio} for row in agreement.rows]

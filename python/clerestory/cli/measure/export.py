@@ -56,7 +56,7 @@ def export(
     """
     from clerestory.measure.files import writable_formats
 
-    known = writable_formats()
+    known = {"csv" if name == "table" else name: name for name in writable_formats()}
     chosen = one_of(format_, "--format", (*known, _MODELS))
     if sample is None and chosen != _MODELS:
         raise UsageError(f"--format {chosen}: of which sample? (give its name; `clerestory measure list` has them)")
@@ -69,7 +69,7 @@ def export(
         if chosen == _MODELS:
             paths, notes = _publish(database, sample, output)
         else:
-            paths, notes = _scans(database, str(sample), output, chosen, laboratory, date, direction)
+            paths, notes = _scans(database, str(sample), output, known[chosen], laboratory, date, direction)
     if as_json:
         print_json({"written": paths, "notes": notes})
         return

@@ -138,7 +138,7 @@ def _file(
         with about(path):
             database.remove("file", known.id)
     try:
-        contents = read([path], **choices)
+        contents = read([path], strict=False, **choices)
     except UnknownFormatError as error:
         if not of_folder:
             raise

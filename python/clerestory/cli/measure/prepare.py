@@ -92,7 +92,7 @@ def prepare(
 ) -> None:
     """Turn scans into BSDF: dark, beam, frame, peaks and hemisphere together, limits, noise, bands, symmetry.
 
-    Every step is told and kept in OUT.record.json (record.json in a folder); the files given are not changed.
+    Every step is told and kept in OUT.record.json; the files given are not changed.
 
     Example: clerestory measure prepare twill/ --symmetry rotational -o prepared/
     """
@@ -119,7 +119,7 @@ def prepare(
     )
     done = prepared_of(measurement, settings)
     written = write(replace(done.measurement, scans=done.measurement.of()), output, form)
-    record = output / "record.json" if output.is_dir() else output.with_name(f"{output.name}.record.json")
+    record = output.with_name(f"{output.name}.record.json")
     content = {"sample": measurement.sample, "from": [str(word) for word in words], "steps": done.record()}
     write_whole(record, json.dumps(plain(content), indent=2, ensure_ascii=False) + "\n")
     if as_json:
@@ -166,4 +166,4 @@ def _number(text: str, option: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise UsageError(f"{option}: {text!r} is not a number") from None
+        raise UsageError(f"{option}: {text!r} is not a number (such as 80; see --help)") from None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
@@ -22,9 +22,13 @@ from clerestory.cli.common import (
 )
 
 if TYPE_CHECKING:
+    from clerestory.directions import Scatter, Side
+    from clerestory.files import Target
     from clerestory.system.build import Specified
     from clerestory.system.window import Built
 
+SIDES: tuple[Side, ...] = ("exterior", "interior")
+SCATTERS: tuple[Scatter, ...] = ("transmission", "reflection")
 SUFFIXES = (".xml", ".xml.gz", ".bsdf.npz")
 PICTURES = (".png", ".pdf", ".svg")
 
@@ -121,7 +125,7 @@ def _write(made: Specified, built: Built, output: Path, target: str) -> None:
         )
     name = one_of(target, "--for", ("plain", "radiance", "window", "energyplus"))
     with about(output):
-        for text in built.matrices.write(output, target=name):  # type: ignore[arg-type]
+        for text in built.matrices.write(output, target=cast("Target", name)):
             warn(output, text)
 
 
@@ -142,9 +146,8 @@ def _write_curves(made: Specified, path: Path) -> None:
 
 def _result(made: Specified, built: Built) -> dict[str, object]:
     bands = {}
-    area = built.basis.projected_solid_angles
     for band in built.absorbed:
-        bands[band] = {side: _values(built, band, side, area) for side in ("exterior", "interior")}
+        bands[band] = {side: _values(built, band, side) for side in SIDES}
     layers = [
         {"number": k, "name": layer.name, "is_glass": layer.pane is not None, **vars(layer.thermal)}
         for k, layer in enumerate(made.window.layers, 1)
@@ -162,23 +165,22 @@ def _result(made: Specified, built: Built) -> dict[str, object]:
     }
 
 
-def _values(built: Built, band: str, side: str, area: object) -> dict[str, object]:
+def _values(built: Built, band: str, side: Side) -> dict[str, Any]:
     """Direct-hemispherical values along the normal and under diffuse light, and by patch."""
-    import numpy as np
-
-    incident = built.basis.incident_centres(side)  # type: ignore[arg-type]
-    weights = np.asarray(area) / np.sum(area)
-    found: dict[str, object] = {}
-    for scatter in ("transmission", "reflection"):
-        by_patch = built.bsdf.integrate(incident, scatter, band=band)  # type: ignore[arg-type]
-        direct = built.bsdf.integrate(incident, scatter, band=band, part="direct")  # type: ignore[arg-type]
+    incident = built.basis.incident_centres(side)
+    area = built.basis.projected_solid_angles
+    weights = area / area.sum()
+    found: dict[str, Any] = {}
+    for scatter in SCATTERS:
+        by_patch = built.bsdf.integrate(incident, scatter, band=band)
+        direct = built.bsdf.integrate(incident, scatter, band=band, part="direct")
         found[scatter] = {
             "normal": by_patch[0],
             "normal_direct": direct[0],
             "hemispherical": weights @ by_patch,
             "by_patch": by_patch,
         }
-    absorbed = built.absorptance(band, side)  # type: ignore[arg-type]
+    absorbed = built.absorptance(band, side)
     found["absorptance"] = {
         "normal": absorbed[:, 0],
         "hemispherical": absorbed @ weights,
@@ -190,15 +192,14 @@ def _values(built: Built, band: str, side: str, area: object) -> dict[str, objec
 def _tell(made: Specified, built: Built) -> None:
     say(f"{made.name}: {len(built.layers)} layers on {built.basis.name}, {made.specification.system.standard}")
     rows = []
-    area = built.basis.projected_solid_angles
     for band in built.absorbed:
-        for side in ("exterior", "interior"):
-            values = _values(built, band, side, area)
+        for side in SIDES:
+            values = _values(built, band, side)
             row = [f"{band}, from the {side}"]
             for scatter in ("transmission", "reflection"):
                 held = values[scatter]
-                row += [f"{held[key]:.3f}" for key in ("normal", "hemispherical")]  # type: ignore[index]
-            row += [f"{a:.3f}" for a in values["absorptance"]["normal"]]  # type: ignore[index]
+                row += [f"{held[key]:.3f}" for key in ("normal", "hemispherical")]
+            row += [f"{a:.3f}" for a in values["absorptance"]["normal"]]
             rows.append(row)
     heads = ["", "T normal", "T diffuse", "R normal", "R diffuse"]
     heads += [f"A{k} normal" for k in range(1, len(built.layers) + 1)]

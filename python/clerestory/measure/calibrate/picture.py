@@ -92,7 +92,7 @@ def _curves(top: object, low: object, before: Sequence[Row], after: Sequence[Row
         low.plot([r.theta_deg for r in line], [r.difference for r in line], color=colour)
     low.axhline(0.0, color=style.INK, linewidth=0.7)
     low.set_xlabel("incident angle [°]")
-    top.set_ylim(bottom=0.0)
+    top.set_ylim(0.0, 1.08 * max(top.get_ylim()[1], 1e-12))
     for axes in (top, low):
         axes.set_xlim(0.0, 90.0)
         axes.set_xticks([0.0, 30.0, 60.0, 90.0])

@@ -44,6 +44,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+_PIXELS = 4
+"""A mean of fewer pixels than this says little of a patch."""
 _COVERED = 0.5
 """A direction of the exit grid counts as seen if so much of its patch is."""
 
@@ -140,8 +142,8 @@ def _geometry(
         for screen, size, (height, width) in zip(screens, sizes, shapes, strict=True):
             if size is not None and size != [width, height]:
                 raise ClerestoryError(
-                    f"{screen.name}: a picture of {width} × {height} pixels is not the camera's of {size[0]} × {size[1]} "
-                    "(correct size_pixels, or the picture)"
+                    f"{screen.name}: a picture of {width} × {height} pixels is not the camera's of "
+                    f"{size[0]} × {size[1]} (correct size_pixels, or the picture)"
                 )
         footprints = screen_footprints(screens, shapes, basis, side, rig.feather)
         share = covered(screens, shapes, basis, side)
@@ -149,9 +151,17 @@ def _geometry(
     for screen, footprint in zip(screens, footprints, strict=False):
         if not len(footprint.pixels):
             raise ClerestoryError(
-                f"{screen.name}: no pixel shows light that leaves to the {side} (check its corners, marks and the sign of z)"
+                f"{screen.name}: no pixel shows light that leaves to the {side} "
+                "(check its corners, marks and the sign of z)"
             )
-    share = np.where(np.bincount(np.concatenate([f.patches for f in footprints]), minlength=len(basis)) > 0, share, 0.0)
+    counts = np.bincount(np.concatenate([f.patches for f in footprints]), minlength=len(basis))
+    share = np.where(counts > 0, share, 0.0)
+    few = int(((counts < _PIXELS) & (share >= _COVERED)).sum())
+    if few:
+        warnings.append(
+            f"{counted(few, 'direction')} of {len(basis)} are the mean of fewer than {_PIXELS} pixels "
+            "(larger pictures, or a coarser exit grid)"
+        )
     missing = share < _COVERED
     if missing.all():
         raise ClerestoryError("no direction of the exit grid is seen (check the screens' corners and the pictures)")
@@ -242,9 +252,8 @@ def _missing_words(basis: Basis, side: Side, missing: NDArray[np.bool_]) -> str:
 
 def _seam_words(faulty: list[Seam], joints: list[Seam], place: str) -> str:
     worst = max(faulty, key=lambda seam: seam.mismatch)
-    words = (
-        f"light from {place}: {worst.first} and {worst.second} differ by {100.0 * worst.mismatch:.1f} % along their seam"
-    )
+    much = f"{100.0 * worst.mismatch:.1f} %"
+    words = f"light from {place}: {worst.first} and {worst.second} differ by {much} along their seam"
     # A screen all of whose seams are faulty, and whose neighbours agree with the rest, is the misplaced one.
     names = {name for seam in joints for name in (seam.first, seam.second)}
     alone = [

@@ -101,9 +101,7 @@ def direct_footprint(view: View, shape: tuple[int, int], basis: Basis, side: Sid
     solid = view.solid_angles(width, height, exact=True).ravel()
     with np.errstate(invalid="ignore"):
         seen = np.flatnonzero((d[:, 2] * _sign(side) > _LEAST_COSINE) & (solid > 0.0))
-    return Footprint(
-        seen, basis.index_of_outgoing(d[seen]), np.ones(len(seen)), solid[seen] * np.abs(d[seen, 2])
-    )
+    return Footprint(seen, basis.index_of_outgoing(d[seen]), np.ones(len(seen)), solid[seen] * np.abs(d[seen, 2]))
 
 
 def covered(
@@ -115,7 +113,7 @@ def covered(
     seen = np.zeros(len(flat), dtype=bool)
     for screen, shape in zip(screens, shapes, strict=True):
         seen |= _share(screen, flat, shape, 0.0) > 0.0
-    return seen.reshape(d.shape[:2]).mean(axis=1)
+    return np.asarray(seen.reshape(d.shape[:2]).mean(axis=1))
 
 
 def covered_directly(view: View, basis: Basis, side: Side, *, across: int = 4) -> Floats:

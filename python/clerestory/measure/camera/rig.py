@@ -117,7 +117,7 @@ class Rig(Keys):
     aperture_mm2: Positive | None = None
     """Lit area of the sample; needed for screens [mm²]."""
     aperture_on: Literal["sample", "beam"] = "sample"
-    """Whether the area is that of an aperture on the sample, or of one across the beam, whose lit area grows with 1/cos θ."""
+    """Whether the area is an aperture's on the sample, or one's across the beam, whose lit area grows with 1/cos θ."""
     illuminance_on: Literal["beam", "sample"] = "beam"
     """Where the illuminances were measured; on the sample a beam's is cos θ times as large."""
     grid_deg: Annotated[Number, Field(ge=0.5, le=15.0)] = 5.0

@@ -35,7 +35,7 @@ class Screen:
     @property
     def normal(self) -> Floats:
         """Unit vector (3,) across it."""
-        return np.cross(self.axes[0], self.axes[1])
+        return np.asarray(np.cross(self.axes[0], self.axes[1]))
 
     def edge_distance(self, places: Floats) -> Floats:
         """Distance [mm] of places (n, 2) from the nearest edge, negative outside."""
@@ -43,7 +43,7 @@ class Screen:
         for a, b in zip(self.corners, np.roll(self.corners, -1, axis=0), strict=True):
             along = (b - a) / np.linalg.norm(b - a)
             distances.append(along[0] * (places[:, 1] - a[1]) - along[1] * (places[:, 0] - a[0]))
-        return np.min(distances, axis=0)
+        return np.asarray(np.min(distances, axis=0))
 
     @property
     def size(self) -> float:
@@ -55,7 +55,7 @@ class Screen:
         return np.asarray(self.origin + places @ self.axes)
 
     def hit(self, directions: Floats) -> Floats:
-        """Places (n, 2) where light from the sample's middle along directions (n, 3) meets its plane; NaN if nowhere."""
+        """Places (n, 2) where light from the sample's middle along directions (n, 3) meets its plane, or NaN."""
         toward = directions @ self.normal
         with np.errstate(divide="ignore", invalid="ignore"):
             far = (self.origin @ self.normal) / toward
@@ -63,8 +63,8 @@ class Screen:
         return np.asarray(points @ self.axes.T)
 
     def places(self, pixels: Floats) -> tuple[Floats, Floats]:
-        """Places (n, 2) of pixels (n, 2), and the area [mm²] that a pixel covers there (n,); NaN beyond the vanishing line."""
-        scaled = np.column_stack([pixels, np.ones(len(pixels))]) @ self.to_plane.T
+        """Places (n, 2) of pixels (n, 2), NaN beyond the vanishing line, and the area [mm²] of a pixel there (n,)."""
+        scaled = pixels[:, :1] * self.to_plane[:, 0] + pixels[:, 1:] * self.to_plane[:, 1] + self.to_plane[:, 2]
         w = scaled[:, 2] * np.sign(self._sign)
         with np.errstate(divide="ignore", invalid="ignore"):
             found = np.where(w[:, None] > 0.0, scaled[:, :2] / scaled[:, 2:], np.nan)

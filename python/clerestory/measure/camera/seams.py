@@ -22,7 +22,7 @@ _ALONG = 24
 _APART = 0.02
 """Screens whose edges are no farther from each other than this part of their size go over into one another."""
 _STEP = 0.02
-"""Values at an edge are found from points so far inside, in parts of the size: the edge's own pixels show both sides."""
+"""Values at an edge come from points so far inside, in parts of the size: the edge's own pixels show both sides."""
 _LEAST_COSINE = 0.15
 _LEAST_SHARE = 0.01
 """Of the largest value; darker points tell of noise."""
@@ -86,11 +86,11 @@ def _ratios(own: Screen, other: Screen, own_picture: Floats, other_picture: Floa
         return np.zeros(0)
     mine = _at_edge(own, edges[kept], own_picture)
     deep = distance[kept] > 3.0 * _STEP * other.size
-    theirs = np.where(
-        deep, _looked_up(other, there[kept], other_picture), _at_edge(other, there[kept], other_picture)
-    )
+    theirs = np.where(deep, _looked_up(other, there[kept], other_picture), _at_edge(other, there[kept], other_picture))
     with np.errstate(invalid="ignore"):
-        bright = (np.minimum(mine, theirs) > _LEAST_SHARE * np.nanmax(np.maximum(mine, theirs), initial=0.0)) & (mine > 0.0)
+        bright = (np.minimum(mine, theirs) > _LEAST_SHARE * np.nanmax(np.maximum(mine, theirs), initial=0.0)) & (
+            mine > 0.0
+        )
     return np.asarray(np.log(mine[bright] / theirs[bright]))
 
 

@@ -67,7 +67,8 @@ def copies(measurement: Measurement) -> Iterator[Finding]:
     for a, b in combinations(measurement.of(), 2):
         if len(a) < _LEAST_POINTS or a.values.shape != b.values.shape or not np.array_equal(a.values, b.values):
             continue
-        if np.ptp(a.values) == 0.0:
+        # Images under a symmetry have the values of their original at other angles.
+        if np.ptp(a.values) == 0.0 or not np.allclose(a.outgoing, b.outgoing, atol=1e-6):
             continue
         same = is_same_light(a, b)
         yield Finding(
@@ -99,34 +100,41 @@ def hemispheres(measurement: Measurement) -> Iterator[Finding]:
 
 
 def coverage(measurement: Measurement) -> Iterator[Finding]:
-    """Every scan holds its hemisphere."""
-    parts: dict[str, list[str]] = {}
+    """Every scan holds its hemisphere, or half of it where its file states a mirror's plane."""
+    cuts: list[Scan] = []
+    gaps: dict[tuple[str, str], list[tuple[float, str, Scan]]] = {}
     for scan in measurement.of():
         try:
             share, middle = _covered(scan)
         except NoSurfaceError:
-            yield Finding(
-                "note",
-                "coverage",
-                light_in_words(scan),
-                f"{counted(len(scan), 'point')} on one line: a cut, which has no integral",
-                "fit a model to it (clerestory measure fit), or scan the hemisphere",
-            )
+            cuts.append(scan)
             continue
         if share < COVERED:
-            parts.setdefault(f"{percent(share)} of the hemisphere up to {SEEN_DEG:g}°, {middle}", []).append(
-                light_in_words(scan)
-            )
-    for words, scans in parts.items():
-        covered, _, middle = words.partition(", ")
-        more = f" and {len(scans) - 1} more" if len(scans) > 1 else ""
+            gaps.setdefault((scan.incident_side, scan.scatter), []).append((share, middle, scan))
+    if cuts:
         yield Finding(
-            "warning",
+            "note",
             "coverage",
-            f"{scans[0]}{more}",
-            f"points cover {covered}; what is missing lies about {middle}",
-            "scan it, or complete it by symmetry or reversed paths; integrals stand on what is about the gap",
+            light_in_words(cuts[0]) + _more(len(cuts)),
+            "single points or points on one line: a cut, which has no integral",
+            "fit a model to it, or scan the hemisphere",
         )
+    for found in gaps.values():
+        share, middle, scan = min(found, key=lambda gap: gap[0])
+        halves = "plane" in scan.conditions.get("symmetry", "").lower()
+        yield Finding(
+            "note" if halves else "warning",
+            "coverage",
+            light_in_words(scan) + _more(len(found)),
+            f"points cover {percent(share)} of the hemisphere up to {SEEN_DEG:g}°; what is missing lies about {middle}",
+            "right for a file that holds one side of a mirror's plane"
+            if halves
+            else "scan it, or complete it by symmetry or reversed paths; integrals stand on what is about the gap",
+        )
+
+
+def _more(count: int) -> str:
+    return f" and {count - 1} more" if count > 1 else ""
 
 
 def _covered(scan: Scan) -> tuple[float, str]:

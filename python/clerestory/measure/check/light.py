@@ -52,27 +52,32 @@ def energy(measurement: Measurement) -> Iterator[Finding]:
             totals.append((scan, surface(scan).integrate().total))
         except NoSurfaceError:
             continue
+    over: dict[tuple[str, str, str], list[tuple[float, str, str]]] = {}
     for scan, total in totals:
         for name, value in zip(scan.channels, total, strict=True):
             other = [
-                t[s.channels.index(name)]
+                float(t[s.channels.index(name)])
                 for s, t in totals
                 if s.scatter != scan.scatter and name in s.channels and _same_source(s, scan)
             ]
             if other and scan.scatter == "reflection":
                 continue  # said with the transmission
-            whole = value + (other[0] if other else 0.0)
-            if whole <= 1.0 + ENERGY_WARNING:
-                continue
-            sum_words = f" and {percent(float(other[0]))} is reflected" if other else ""
-            verb = "passes" if scan.scatter == "transmission" else "is reflected"
-            yield Finding(
-                "error" if whole > 1.0 + ENERGY_ERROR else "warning",
-                "energy",
-                f"{name}, {light_in_words(scan)}",
-                f"more light leaves than arrives: {percent(float(value))} {verb}{sum_words}",
-                "check the reference beam and whether values are BSDF; calibrate to a sphere's values",
-            )
+            whole = float(value) + (other[0] if other else 0.0)
+            if whole > 1.0 + ENERGY_WARNING:
+                verb = "passes" if scan.scatter == "transmission" else "is reflected"
+                words = f"{percent(float(value))} {verb}" + (f" and {percent(other[0])} is reflected" if other else "")
+                over.setdefault((name, scan.incident_side, scan.scatter), []).append(
+                    (whole, words, f"{scan.incident_theta_deg:g}° at azimuth {scan.incident_phi_deg % 360.0:g}°")
+                )
+    for (name, side, _), found in over.items():
+        worst, words, where = max(found)
+        yield Finding(
+            "error" if worst > 1.0 + ENERGY_ERROR else "warning",
+            "energy",
+            f"{name}, light from the {side}",
+            f"more light leaves than arrives at {counted(len(found), 'incident direction')}; worst at {where}: {words}",
+            "check the reference beam and whether values are BSDF; calibrate to a sphere's values",
+        )
 
 
 def _same_source(a: Scan, b: Scan) -> bool:
@@ -219,7 +224,7 @@ def symmetry(measurement: Measurement) -> Iterator[Finding]:
                 "complete the data by the symmetry that holds, or measure the other azimuths",
             )
     if any(score.comparisons for score in found.values()):
-        yield Finding("note", "symmetry", "", f"{name}: {why}", "compare with the sample")
+        yield Finding("note", "symmetry", "", why if name != "none" else f"none: {why}", "compare with the sample")
 
 
 def _meant(text: str) -> Sequence[Symmetry]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sqlite3
 import time
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -241,7 +242,7 @@ def _engine(place: Location) -> Engine:
         connection.isolation_level = None  # the driver would begin transactions late, and never for the schema
         connection.execute("PRAGMA foreign_keys = ON")
         # Readers see the last state while another program writes, and nobody waits for them.
-        connection.execute("PRAGMA journal_mode = WAL")
+        _write_ahead(connection)
 
     @event.listens_for(engine, "begin")
     def _sqlite_begin(connection: Connection) -> None:
@@ -259,6 +260,20 @@ def _engine(place: Location) -> Engine:
 
 class _BusyError(Exception):
     """Another program writes."""
+
+
+def _write_ahead(connection: Any) -> None:  # noqa: ANN401
+    """Choose the journal of a new file; SQLite does not wait by itself where two programs make one at once."""
+    started = time.monotonic()
+    while True:
+        try:
+            connection.execute("PRAGMA journal_mode = WAL")
+        except sqlite3.OperationalError as error:
+            if "locked" not in str(error) or time.monotonic() - started > _BUSY_S:
+                raise
+            time.sleep(_POLL_S / 10.0)
+        else:
+            return
 
 
 def _patient(action: Callable[[], T], place: Location, waiting: Callable[[], None] | None) -> T:
@@ -283,6 +298,8 @@ def _remedy(error: DBAPIError, place: Location) -> str:
         return "give a file that Clerestory made, or restore it from a copy"
     if "readonly" in words or "read-only" in words or "permission" in words:
         return "check the permissions of the file and its folder"
+    if "locked" in words:
+        return "another program holds it; try again"
     if "full" in words:
         return "free some space"
     if place.path is None and isinstance(error, OperationalError):

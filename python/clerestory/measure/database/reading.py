@@ -309,6 +309,7 @@ def _scan(connection: Connection, row: RowMapping, sources: dict[int, Source]) -
     errors = np.empty((count, width)) if row["errors"] else None
     chunks, at = tables.chunks, 0
     asked = select(chunks.c.data).where(chunks.c.scan_id == row["id"]).order_by(chunks.c.number)
+    asked = asked.execution_options(yield_per=16)  # neither side holds all chunks at once
     for data in connection.execute(asked).scalars():
         columns = unpack(data)
         here = slice(at, at + len(columns[0]))

@@ -20,7 +20,7 @@ from clerestory.measure.formats.choices import lit_side, one_of, sample_of, scat
 from clerestory.measure.formats.frame import Frame, halves, signed
 from clerestory.measure.formats.header import HEAD, condition_key, lines_of, one_line, text_of, writable
 from clerestory.measure.formats.names import plain, untaken
-from clerestory.measure.formats.rows import grouped
+from clerestory.measure.formats.rows import grouped, repeated
 from clerestory.measure.scan import CONDITIONS, PURPOSES, Measurement, Scan
 from clerestory.measure.source import Source, digest
 
@@ -61,7 +61,8 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
     names = [word.strip() for word in text_of(found[1]).split(",")]
     if tuple(word.lower() for word in names[:4]) != _ANGLES:
         raise FileFormatError(
-            f"line {len(header)}: VARS {','.join(names)[:60]} does not begin with {','.join(_ANGLES)} (reorder the columns)"
+            f"line {len(header)}: VARS {','.join(names)[:60]} does not begin with {','.join(_ANGLES)} "
+            "(reorder the columns)"
         )
     columns, starts, line = _table(data, found.end(), len(header), names)
     rows = len(columns[2])
@@ -159,9 +160,10 @@ def _is_number(word: str | None) -> bool:
 def write(measurement: Measurement, **choices: object) -> dict[str, bytes]:
     """A file for all scans of a side, a scatter and the same conditions; angles in radians, up is azimuth 90°."""
     groups: dict[tuple[object, ...], list[Scan]] = {}
-    for scan in measurement.scans:
+    for before, scan in repeated(measurement.scans):
         writable(scan, NAME)
-        key = (scan.incident_side, scan.scatter, scan.quantity, scan.channels, scan.purpose, *scan.conditions.items())
+        held = (scan.incident_side, scan.scatter, scan.quantity, scan.channels, scan.purpose)
+        key = (before, *held, *scan.conditions.items())
         groups.setdefault(key, []).append(scan)
     files: dict[str, bytes] = {}
     for scans in groups.values():

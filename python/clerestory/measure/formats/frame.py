@@ -44,8 +44,16 @@ class Frame:
 
     def azimuth(self, phi_deg: ArrayLike) -> Floats:
         """An azimuth in the sample's frame [°], 0 to 360, from the file's."""
-        turned = np.asarray(phi_deg, dtype=np.float64) - self.up_deg
-        return np.asarray((90.0 + (turned if self.seen_from == "interior" else -turned)) % 360.0)
+        return self.turn(np.array(phi_deg, dtype=np.float64))
+
+    def turn(self, phi_deg: Floats) -> Floats:
+        """The same in place, since millions of points would need their memory twice."""
+        phi_deg -= self.up_deg
+        if self.seen_from == "exterior":
+            np.negative(phi_deg, out=phi_deg)
+        phi_deg += 90.0
+        phi_deg %= 360.0
+        return phi_deg
 
     def written(self, phi_deg: ArrayLike) -> Floats:
         """The file's azimuth [°], 0 to 360, from one in the sample's frame."""
@@ -121,7 +129,7 @@ def halves(
                 "no angle is above 90°, and nothing says whether light is transmitted or reflected "
                 "(give scatter: transmission or reflection)"
             )
-        return [(which, every, np.minimum(theta_deg, 90.0))]
+        return [(which, every, theta_deg if theta_deg.max() <= 90.0 else np.minimum(theta_deg, 90.0))]
     # What lies in the plane of the sample belongs to the only side that there is, or to the lit one.
     if (theta_deg[~beyond] >= 90.0 - GRAZING_DEG).all():
         if scatter == "reflection":

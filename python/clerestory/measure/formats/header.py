@@ -68,7 +68,7 @@ def leading(data: bytes, start: int, line: int, mark: bytes = b"#") -> tuple[lis
     """
     found: list[str] = []
     while start < len(data):
-        end = _line_end(data, start)
+        end = line_end(data, start)
         text = data[start:end].strip()
         if text and not text.startswith(mark):
             break
@@ -79,7 +79,7 @@ def leading(data: bytes, start: int, line: int, mark: bytes = b"#") -> tuple[lis
     return found, min(start, len(data)), line
 
 
-def _line_end(data: bytes, start: int) -> int:
+def line_end(data: bytes, start: int) -> int:
     """Where a line ends; looked for nearby first, so that a file without one kind of line end is not searched again."""
     for stop in (start + HEAD, len(data)):
         ends = [end for end in (data.find(b"\n", start, stop), data.find(b"\r", start, stop)) if end >= 0]

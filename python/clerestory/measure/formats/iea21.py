@@ -166,7 +166,7 @@ def _order(lines: list[str], columns: list[Floats], warnings: list[str]) -> tupl
 
 def _scatter(lines: list[str], stated: str) -> Scatter | None:
     if stated in SCATTERS:
-        return cast("Scatter", stated)
+        return stated
     text = "\n".join(lines).lower()
     for transmitted, reflected in (("btdf", "brdf"), (r"transmi|\btau", r"reflect|\brho")):
         found = (re.search(transmitted, text) is not None, re.search(reflected, text) is not None)

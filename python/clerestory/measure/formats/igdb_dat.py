@@ -10,6 +10,7 @@ import numpy as np
 from clerestory._core import FileFormatError
 from clerestory.measure.contents import Contents
 from clerestory.measure.formats.choices import sample_of
+from clerestory.measure.formats.product_json import product_name
 from clerestory.measure.formats.tokens import Words, head_of, lines_of
 from clerestory.measure.source import Source, digest
 from clerestory.measure.sphere import SphereValues
@@ -90,7 +91,7 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
         name, digest(data), NAME, tuple(lines[:first]), "front is the exterior; columns of T, R front and R back; 0°"
     )
     conditions = {_MEANINGS.get(key.lower(), key): value for key, value in keys.items() if key and value}
-    sample = sample_of(choices, name, keys.get("Product Name", ""))
+    sample = sample_of(choices, name, product_name(keys.get("Product Name", ""), keys.get("NFRC ID")))
     return Contents(
         (),
         tuple(

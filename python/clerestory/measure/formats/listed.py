@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clerestory._core import FileFormatError
+from clerestory._core import FileFormatError, read_table
 from clerestory.measure.formats.specular import HORIZON, seen_from
-from clerestory.measure.formats.tokens import number
+from clerestory.measure.formats.tokens import LARGEST, number
 from clerestory.measure.scan import Scan
 
 if TYPE_CHECKING:
@@ -21,7 +22,9 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-ROUNDED_DEG = 1e-6
+_ROUNDED_DEG = 1e-6
+
+_TWO_WORDS = re.compile(r"^[ \t]*(\S+)[ \t]+(\S+)[ \t]*$", re.MULTILINE)
 
 
 def blocks(lines: Sequence[str], first: int) -> list[tuple[int, float, float, Floats]]:
@@ -39,32 +42,25 @@ def blocks(lines: Sequence[str], first: int) -> list[tuple[int, float, float, Fl
     FileFormatError
         A line has neither two nor three numbers, or a block has no rows.
     """
-    split = [line.split() for line in lines]
-    heads = [k for k, words in enumerate(split) if len(words) == 2]
-    begin = next((k for k, words in enumerate(split) if words), len(split))
-    if not heads or begin != heads[0]:
-        raise FileFormatError(f"line {first + begin}: values before an incident direction (add its line of two angles)")
+    text = "\n".join(lines)
+    heads = list(_TWO_WORDS.finditer(text))
+    if not heads or text[: heads[0].start()].strip():
+        begin = first + text.count("\n", 0, len(text) - len(text.lstrip()))
+        raise FileFormatError(f"line {begin}: values before an incident direction (add its line of two angles)")
     found = []
-    for head, end in zip(heads, [*heads[1:], len(split)], strict=True):
-        polar, azimuth = (number(word, "an angle of the incident direction", first + head) for word in split[head])
-        rows = [(k, words) for k, words in enumerate(split[head + 1 : end], start=head + 1) if words]
-        if not rows:
-            raise FileFormatError(f"line {first + head}: an incident direction without values (is the file whole?)")
-        for k, words in rows:
-            if len(words) != 3:
-                raise FileFormatError(
-                    f"line {first + k}: {len(words)} words instead of two angles and a value (correct it)"
-                )
-        flat = [word for _, words in rows for word in words]
-        try:
-            values = np.array(flat, dtype=np.float64)
-        except ValueError:
-            values = np.full(len(flat), np.nan)
-        if not (np.abs(values) <= 1e30).all():
-            for k, words in rows:
-                for word in words:
-                    number(word, "a number", first + k)
-        found.append((first + head, polar, azimuth, values.reshape(-1, 3)))
+    line, at = first, 0
+    for head, after in zip(heads, [*heads[1:], None], strict=True):
+        line += text.count("\n", at, head.start())
+        at = head.start()
+        polar, azimuth = (number(word, "an angle of the incident direction", line) for word in head.groups())
+        rows = text[head.end() : after.start() if after else len(text)]
+        if not rows.strip():
+            raise FileFormatError(f"line {line}: an incident direction without values (is the file whole?)")
+        columns, _, _, _ = read_table(rows.encode(), 3, line=line)
+        values = np.column_stack(columns)
+        if np.abs(values).max() > LARGEST:
+            raise FileFormatError(f"line {line}: a number below is beyond {LARGEST:g} (correct it)")
+        found.append((line, polar, azimuth, values))
     return found
 
 
@@ -97,7 +93,7 @@ def scans_of_block(
     scans = []
     other: Scatter = "transmission" if scatter == "reflection" else "reflection"
     for behind, kind in ((False, scatter), (True, other)):
-        chosen = (theta > 90.0 + ROUNDED_DEG) == behind
+        chosen = (theta > 90.0 + _ROUNDED_DEG) == behind
         within = np.where(behind, 180.0 - theta, np.minimum(theta, 90.0))
         chosen &= np.cos(np.radians(within)) > HORIZON
         if chosen.any():

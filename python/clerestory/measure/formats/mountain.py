@@ -35,7 +35,7 @@ from clerestory.measure.scan import PURPOSES, Measurement, Scan
 from clerestory.measure.source import Source, digest
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     from numpy.typing import NDArray
 
@@ -45,6 +45,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 NAME = "pab Mountain"
+
+_ROWS = 1 << 18  # written at a time
 
 _KEYWORD = re.compile(r"^#\s*(\w+)\s*:?\s*(.*?)\s*$")
 _HEADING = re.compile(rb"^\s*#\s*(format:\s*theta\s+phi|intheta\b|incident_angle\b)", re.IGNORECASE | re.MULTILINE)
@@ -113,7 +115,7 @@ class _Header:
         elif key == "purpose":
             if value not in PURPOSES:
                 raise FileFormatError(f'line {line}: purpose "{value}" is not known ({", ".join(PURPOSES)})')
-            self.purpose = cast("Purpose", value)
+            self.purpose = value
         elif key == "datapoints_in_file":
             self.stated.append(int(min(max(number_of(value, "#datapoints_in_file", line), 0.0), 1e15)))
 
@@ -231,7 +233,7 @@ def _scans(block: _Block, name: str, marks: str, choices: Mapping[str, object]) 
     return made
 
 
-def write(measurement: Measurement, **choices: object) -> dict[str, bytes]:
+def write(measurement: Measurement, **choices: object) -> dict[str, Iterator[bytes]]:
     """A file for each scan, and for each channel that is not CIE XYZ; front is the exterior, up is azimuth 90°.
 
     Raises
@@ -239,9 +241,13 @@ def write(measurement: Measurement, **choices: object) -> dict[str, bytes]:
     ClerestoryError
         Values are a detector's signal, or not finite.
     """
+    if '"' in measurement.sample:
+        raise ClerestoryError(
+            f"{NAME} cannot hold a quotation mark in the sample's name {measurement.sample!r} (rename it)"
+        )
     front = cast("Side", one_of(choices, "front", SIDES, "exterior"))
     frame = Frame(front, 90.0, front)
-    files: dict[str, bytes] = {}
+    files: dict[str, Iterator[bytes]] = {}
     for scan in measurement.scans:
         writable(scan, NAME)
         together = scan.channels == _CHANNELS["cie-xyz"]
@@ -253,11 +259,9 @@ def write(measurement: Measurement, **choices: object) -> dict[str, bytes]:
     return files
 
 
-def _written(sample: str, scan: Scan, channel: str, columns: list[Floats], frame: Frame) -> bytes:
-    if '"' in sample:
-        raise ClerestoryError(f"{NAME} cannot hold a quotation mark in the sample's name {sample!r} (rename it)")
+def _written(sample: str, scan: Scan, channel: str, columns: list[Floats], frame: Frame) -> Iterator[bytes]:
+    """Header and rows, some at a time, so that a scan of any length takes little memory."""
     from_front = scan.incident_side == frame.front
-    outgoing = scan.theta_deg if scan.side == frame.front else 180.0 - scan.theta_deg
     theta = scan.incident_theta_deg if from_front else 180.0 - scan.incident_theta_deg
     phi = float(frame.written(scan.incident_phi_deg))
     lines = [
@@ -273,9 +277,12 @@ def _written(sample: str, scan: Scan, channel: str, columns: list[Floats], frame
         *([] if scan.purpose == "sample" else [f"#purpose: {scan.purpose}"]),
         *condition_lines(scan.conditions, _RESERVED, "#"),
     ]
-    table = [outgoing, frame.written(scan.phi_deg), *columns]
-    body = write_table([np.ascontiguousarray(column) for column in table], "\t")
-    return ("\n".join(lines) + "\n").encode() + body
+    yield ("\n".join(lines) + "\n").encode()
+    for start in range(0, len(scan), _ROWS):
+        rows = slice(start, start + _ROWS)
+        outgoing = scan.theta_deg[rows] if scan.side == frame.front else 180.0 - scan.theta_deg[rows]
+        table = [outgoing, frame.written(scan.phi_deg[rows]), *(column[rows] for column in columns)]
+        yield write_table([np.ascontiguousarray(column) for column in table], "\t")
 
 
 def notes(measurement: Measurement) -> list[str]:

@@ -98,13 +98,18 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
         raise FileFormatError("no product, but a list or a number (give the file of one product)")
     found: list[SphereValues] = []
     for part, member in enumerate(_products(product, 0)):
-        title = str(member.get("name") or member.get("product_name") or "")
+        title = product_name(str(member.get("name") or member.get("product_name") or ""), member.get("nfrc_id"))
         sample = sample_of(choices if part == 0 else {}, name, title)
         lines = tuple(f"{key}: {value}" for key, value in member.items() if not isinstance(value, (dict, list)))
         found += _spectra(member, sample, Source(name, digest(data), NAME, lines, _CONVENTION))
     if not found:
         raise FileFormatError("no spectrum and no values of bands (take the product's material)")
     return Contents((), tuple(found))
+
+
+def product_name(name: str, nfrc_id: object) -> str:
+    """A name that tells panes apart: the database has many of one name, each with a number of its own."""
+    return f"{name} (NFRC {nfrc_id})" if name and nfrc_id not in (None, "") else name
 
 
 def _products(product: Json, depth: int) -> Iterator[Json]:

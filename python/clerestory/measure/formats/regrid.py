@@ -25,6 +25,8 @@ _SAME = 1e-4
 """Distance of unit vectors up to which a measured point is a point of the table."""
 _DENSEST = 4
 """A table of more than so many times the points of a scan is not the one that they were measured on."""
+_MOST_GUESSED = 0.5
+"""Share of a table's directions that may lie outside of the measured ones."""
 _RADIALS_DEG = (0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.5, 10.0, 12.5)
 _STEP_DEG = 5.0
 _PLANE_DEG = 1e-3
@@ -65,6 +67,11 @@ def table(
         The table's own polar angles (polar angles,) and azimuths (azimuths,) [°], for its integral.
     half
         The table is half of one that is symmetric to the plane of incidence.
+
+    Raises
+    ------
+    ClerestoryError
+        There are no points, or most of the table lies outside of them.
     """
     from scipy.spatial import KDTree
 
@@ -82,6 +89,11 @@ def table(
         known = np.isfinite(linear).all(axis=1)
         found[np.flatnonzero(between)[known]] = linear[known]
         guessed = int((~known).sum())
+        if guessed > _MOST_GUESSED * len(asked):
+            raise ClerestoryError(
+                f"the {counted(len(scan), 'point')} of light from {scan.incident_theta_deg:g}° cover less than half of"
+                " a table of directions (leave the scan out, or complete it first)"
+            )
     values = np.zeros((*theta_deg.shape, len(columns)))
     values[above] = found
     weighted = values * (np.cos(np.radians(theta_deg)) * np.sin(np.radians(polar_deg)))[..., None]
@@ -156,7 +168,7 @@ def specular_grid(scans: Sequence[Scan]) -> tuple[Floats, Floats, bool]:
         to_specular(s.outgoing, s.incident_theta_deg, s.incident_phi_deg, s.incident_side, s.scatter) for s in scans
     ]
     azimuths, radials = _own([(azimuth, radial) for radial, azimuth in about], scans)
-    half = all(bool(_in_half(azimuth[radial > _PLANE_DEG]).all()) for radial, azimuth in about)
+    half = all(is_half(scan) for scan in scans)
     if azimuths is not None and radials is not None:
         return _closed(azimuths, half=half), radials, half
     furthest = max(scan.incident_theta_deg for scan in scans) + 90.0
@@ -168,9 +180,24 @@ def specular_grid(scans: Sequence[Scan]) -> tuple[Floats, Floats, bool]:
     )
 
 
+def is_half(scan: Scan) -> bool:
+    """Whether a scan holds just the side of its plane of symmetry that azimuths of 0 to 180° lie on."""
+    if not _is_symmetric(scan):
+        return False
+    radial, azimuth = to_specular(
+        scan.outgoing, scan.incident_theta_deg, scan.incident_phi_deg, scan.incident_side, scan.scatter
+    )
+    beside = azimuth[(radial > _PLANE_DEG) & (radial < 180.0 - _PLANE_DEG)]
+    return bool(((beside <= 180.0 + _PLANE_DEG) | (beside >= 360.0 - _PLANE_DEG)).all())
+
+
+def _is_symmetric(scan: Scan) -> bool:
+    return scan.conditions.get("symmetry", "").startswith("PlaneSymmetrical")
+
+
 def whole(scan: Scan) -> Scan:
     """A scan of one side of a plane of symmetry mirrored at it; any other as it is."""
-    if not scan.conditions.get("symmetry", "").startswith("PlaneSymmetrical"):
+    if not _is_symmetric(scan):
         return scan
     mirrored = 2.0 * scan.incident_phi_deg - scan.phi_deg
     inside = np.abs(np.sin(np.radians(scan.phi_deg - scan.incident_phi_deg))) < _SAME
@@ -213,10 +240,6 @@ def _closed(azimuths: Floats, *, half: bool) -> Floats:
     if half or not azimuths.size:
         return azimuths
     return np.append(azimuths, azimuths[0] + 360.0)
-
-
-def _in_half(azimuth_deg: Floats) -> NDArray[np.bool_]:
-    return (azimuth_deg <= 180.0 + _PLANE_DEG) | (azimuth_deg >= 360.0 - _PLANE_DEG)
 
 
 def left_out(measurement: Measurement, format_name: str) -> list[str]:

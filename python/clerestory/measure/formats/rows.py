@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +12,20 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from clerestory.measure.scan import Scan
+
     Floats = NDArray[np.float64]
+
+
+def repeated(scans: Sequence[Scan]) -> list[tuple[int, Scan]]:
+    """Scans with how many before them are of the same light: a table can tell only the first of them from others."""
+    seen: Counter[tuple[object, ...]] = Counter()
+    found = []
+    for scan in scans:
+        light = (scan.incident_side, scan.scatter, scan.incident_theta_deg, scan.incident_phi_deg % 360.0)
+        found.append((seen[light], scan))
+        seen[light] += 1
+    return found
 
 
 def grouped(

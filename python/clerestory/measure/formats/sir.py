@@ -234,7 +234,8 @@ def _directions(data: bytes, grid: int, over: float, front: Side) -> tuple[Float
         raise FileFormatError("the numbers do not begin with 5a3c (the file was not transferred as binary)")
     at += 2
     short = FileFormatError(f"the file ends at byte {len(data)}, before its last direction (get it again)")
-    incident, lobes = [], []
+    incident: list[list[float]] = []
+    lobes: list[Lobes] = []
     while True:
         if at + 4 > len(data):
             raise short

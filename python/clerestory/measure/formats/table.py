@@ -7,7 +7,6 @@ such tables. Azimuths are those of the sample's frame unless a person says other
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, cast
 
@@ -17,7 +16,7 @@ from clerestory._core import ClerestoryError, FileFormatError, read_table
 from clerestory.measure.contents import Contents
 from clerestory.measure.formats.choices import angle_of, one_of, quantity_of, sample_of, scatter_of
 from clerestory.measure.formats.frame import Frame, halves, signed
-from clerestory.measure.formats.header import HEAD, conditions_of, leading, lines_of, pair_of
+from clerestory.measure.formats.header import HEAD, conditions_of, leading, line_end, lines_of, pair_of
 from clerestory.measure.formats.rows import grouped
 from clerestory.measure.formats.table_columns import WORDS, Column, columns_named, one_band, side_named
 from clerestory.measure.formats.table_writing import RESERVED, write
@@ -80,7 +79,7 @@ def _head(data: bytes, choices: Mapping[str, object]) -> _Head | None:
     roles = {column.role for column in columns}
     if not {"theta_o", "value"} <= roles:
         return None
-    end = at + len(re.split(rb"[\r\n]", data[at:], maxsplit=1)[0])
+    end = line_end(data, at)
     pairs = [pair for text in comments for pair in [pair_of(text)] if pair]
     stated = {key.lower(): value for key, value in pairs}
     return _Head([*comments, row], columns, delimiter, end, line, stated)
@@ -167,8 +166,12 @@ class _Table:
         stated = next((c.unit for c in self.head.columns if c.role == role), "")
         return 180.0 / np.pi if (stated or (said or "deg")[:3]) == "rad" else 1.0
 
+    def _degrees(self, role: str, column: Floats) -> Floats:
+        unit = self._unit(role)
+        return np.asarray(column[:, 0] if unit == 1.0 else column[:, 0] * unit)
+
     def _incident(self, group: dict[str, float]) -> tuple[float, float]:
-        found = []
+        found: list[float] = []
         for role, key in (("theta_i", "incident_theta_deg"), ("phi_i", "incident_phi_deg")):
             value = group[role] * self._unit(role) if role in group else angle_of(self.choices, key, None)
             stated = self.head.stated.get(role, self.head.stated.get(key))
@@ -203,11 +206,11 @@ class _Table:
     def scans(self, group: dict[str, float], chosen: slice | NDArray[np.intp]) -> list[Scan]:
         """One scan, or one a side that points lie on."""
         side, theta_i, phi_i, frame, words = self._light(group)
-        polar = cast("Floats", self._values("theta_o", chosen))[:, 0] * self._unit("theta_o")
+        polars = cast("Floats", self._values("theta_o", chosen))
         azimuths = self._values("phi_o", chosen)
         if azimuths is None:
             raise FileFormatError("no column gives phi_o, the outgoing azimuth (name it by `columns`)")
-        theta, phi = signed(polar, azimuths[:, 0] * self._unit("phi_o"))
+        theta, phi = signed(self._degrees("theta_o", polars), self._degrees("phi_o", azimuths))
         values, errors = cast("Floats", self._values("value", chosen)), self._values("error", chosen)
         for what, array in (("angle", theta), ("azimuth", phi), ("value", values)):
             if not np.isfinite(array).all():
@@ -226,7 +229,7 @@ class _Table:
                 theta_i,
                 phi_i,
                 angles,
-                frame.azimuth(phi[part]),
+                frame.turn(phi[part]),
                 values[part],
                 quantity=quantity,
                 channels=(band,) if band and len(channels) == 1 else channels,

@@ -9,6 +9,7 @@ import numpy as np
 from clerestory._core import write_table
 from clerestory.measure.formats.header import condition_lines, one_line, writable
 from clerestory.measure.formats.names import plain, untaken
+from clerestory.measure.formats.rows import repeated
 from clerestory.measure.scan import QUANTITIES
 
 if TYPE_CHECKING:
@@ -28,10 +29,10 @@ _STEP = 100_000
 def write(measurement: Measurement, **choices: object) -> dict[str, Iterator[bytes]]:
     """A file for all scans of the same quantity, channels and conditions, most often one."""
     groups: dict[tuple[object, ...], list[Scan]] = {}
-    for scan in measurement.scans:
+    for before, scan in repeated(measurement.scans):
         writable(scan, "CSV", quantities=QUANTITIES)
         errors = scan.standard_errors is not None
-        key = (scan.quantity, scan.channels, scan.purpose, errors, *scan.conditions.items())
+        key = (scan.quantity, scan.channels, scan.purpose, errors, before, *scan.conditions.items())
         groups.setdefault(key, []).append(scan)
     files: dict[str, Iterator[bytes]] = {}
     for scans in groups.values():

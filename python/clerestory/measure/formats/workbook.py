@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from clerestory._core import UnsupportedError
+from clerestory.measure.formats import UnknownFormatError
 
 if TYPE_CHECKING:
     from clerestory.measure.contents import Contents
@@ -25,10 +25,10 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
 
     Raises
     ------
-    UnsupportedError
+    UnknownFormatError
         Always, with what to do.
     """
-    raise UnsupportedError(
-        "a spreadsheet's workbook is not read"
-        " (export text: .jdv or for LightTools from an RT-300S, CSV from any other program)"
+    raise UnknownFormatError(
+        "a spreadsheet's workbook is not read: export text from its program"
+        " (.jdv or for LightTools from an RT-300S, CSV from any other)"
     )

@@ -18,7 +18,7 @@ from clerestory.measure.formats.choices import ABOVE_DEG, lit_side, sample_of
 from clerestory.measure.formats.comments import conditions_of, pairs, stated
 from clerestory.measure.formats.header import one_line, writable
 from clerestory.measure.formats.names import plain
-from clerestory.measure.formats.regrid import angular_table, left_out, specular_grid, table
+from clerestory.measure.formats.regrid import angular_table, is_half, left_out, specular_grid, table, whole
 from clerestory.measure.formats.specular import distinct, from_specular, seen_from
 from clerestory.measure.formats.tokens import Words, head_of, lines_of
 from clerestory.measure.scan import Measurement, Scan
@@ -268,6 +268,8 @@ def notes(measurement: Measurement) -> list[str]:
 
 def _text(sample: str, side: Side, scatter: Scatter, channels: tuple[str, ...], scans: Sequence[Scan]) -> str:
     rotations = [float(np.round((ABOVE_DEG - seen_from(side, scan.incident_phi_deg)) % 360.0, 6)) for scan in scans]
+    if not all(is_half(scan) for scan in scans):
+        scans = [whole(scan) for scan in scans]
     by_place = angular_table(rotations, scans)
     azimuths, radials, half = specular_grid(scans)
     symmetry = "PlaneSymmetrical" if half else "ASymmetrical" if len(by_place) == 1 else "ASymmetrical4D"

@@ -26,13 +26,11 @@ def advice_of(job: Job, instrument: Instrument, extent: Extent, route: Route) ->
     if missing:
         made.append(f"{' and '.join(missing)} is not seen by this instrument: take another for it.")
     if extent.largest_theta_deg <= 0.0:
-        made.append(
-            f"The smallest spot of {extent.spot_mm:g} mm is larger than the sample: light passes beside it at every angle."
-        )
+        made.append(f"The smallest spot of {extent.spot_mm:g} mm is larger than the sample: light passes beside it.")
     elif extent.limited_by == "sample":
         made.append(
             f"The spot of {extent.spot_mm:g} mm grows with 1/cos θ and leaves the sample beyond "
-            f"{math.floor(extent.largest_theta_deg * 10) / 10:g}°: larger angles need a larger sample or a smaller spot."
+            f"{math.floor(extent.largest_theta_deg * 10) / 10:g}°: beyond, take a larger sample or a smaller spot."
         )
     made.append(
         f"Nothing is measured beyond {min(extent.largest_theta_deg, instrument.largest_theta_deg):.3g}° of incidence: "
@@ -48,7 +46,7 @@ def advice_of(job: Job, instrument: Instrument, extent: Extent, route: Route) ->
         made.append("One azimuth rests on isotropy: measure one angle at a second azimuth to check it.")
     elif piece.symmetry != "none":
         made.append("Verify the assumed symmetry by at least one direction from another quadrant.")
-    if piece.weave == "rectangular" or (piece.weave != "none" and piece.symmetry == "rotational-2"):
+    if piece.weave == "rectangular" or (piece.weave != "none" and piece.symmetry == "rotational"):
         made.append("The weave needs azimuths of the adjacent quadrant: its mirror image is another fabric.")
     if not extent.turns_in_its_plane and piece.symmetry != "isotropic" and extent.holder is not None:
         made.append(
@@ -62,22 +60,22 @@ def advice_of(job: Job, instrument: Instrument, extent: Extent, route: Route) ->
         )
     if instrument.kind == "scanning":
         made.append(
-            "Scan the beam without a sample first and last, and the dark signal: the difference of both beams is the drift."
+            "Scan the beam without a sample first and last, and the dark signal: their difference is the drift."
         )
     if "reflection" in job.scatter and "reflection" in instrument.scatter and instrument.shield_deg > 0.0:
         made.append(
             f"In reflection the detector shades the beam within {instrument.shield_deg:g}° of the source: leave those "
             "points of the hemisphere out."
         )
-    if 0.0 < piece.period_mm and route.way == "measure" and extent.periods < 8.0:
+    if piece.period_mm > 0.0 and route.way == "measure" and extent.periods < 8.0:
         made.append(
             f"{extent.periods:.2g} periods are in the spot: shift the sample by half a period once, and compare."
         )
     if route.way == "material":
         made.append(
-            "Measured surfaces in a traced geometry (first order) keep the geometry's own angles; a matrix of the whole "
-            "(second order) is quicker to simulate with and blurs them. Check direct-hemispherical values of the traced "
-            "system against a sphere's."
+            "Measured surfaces in a traced geometry (first order) keep the geometry's own angles; a matrix of the "
+            "whole (second order) is quicker to simulate with and blurs them. Check the traced system's "
+            "direct-hemispherical values against a sphere's."
         )
     return tuple(made)
 

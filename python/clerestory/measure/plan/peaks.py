@@ -1,8 +1,9 @@
 """Peaks found in a coarse scan, and fine paths over them.
 
 A peak is a point that is higher than all its neighbours, and higher than what lies around it by more than the noise
-there. What lies around is the median at some distance; the noise is that of the differences between points and the
-median of their neighbours, by median absolute deviation, so that neither peaks nor slopes count as noise.
+there; and between it and a higher one there is a valley. What lies around is the median at some distance; the noise is
+that of the differences between points and the median of their neighbours, by median absolute deviation, so that neither
+peaks nor slopes count as noise.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from clerestory._core import ClerestoryError
 from clerestory.directions import angles, direction
-from clerestory.measure.delaunay import CLIP_DEG, surface
+from clerestory.measure.delaunay import surface
 from clerestory.measure.plan.paths import circle_path, square_path
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from clerestory.directions import Side
+    from clerestory.measure.delaunay import Surface
     from clerestory.measure.plan.paths import Pattern, ScanPath
     from clerestory.measure.scan import Scan
 
@@ -35,6 +37,8 @@ CONTRAST = 1.5
 """Height over what lies around; the tops of lobes that a coarse scan resolves are lower."""
 _INNER_DEG, _OUTER_DEG = 6.0, 15.0
 """What lies around a peak is between these distances."""
+_SAME_LOBE_DEG = 45.0
+"""Between peaks closer than this there must be a valley, or the lower one is a ripple of the higher one's lobe."""
 _RESOLVED = 5
 """Points above a tenth of a peak's height that say how wide it is."""
 _APART_DEG = 3.0
@@ -114,9 +118,22 @@ def find_peaks(
         height = float(dsf[n]) - around
         if height <= sigmas * sigma or dsf[n] <= contrast * max(around, 0.0) or height <= 0.0:
             continue
+        if any(_saddle(through, toward[n], other, scan) * contrast > dsf[n] for other in taken):
+            continue
         taken.append(toward[n])
         found.append(_peak(n, near, away, dsf, bsdf, toward, around, height / sigma if sigma > 0.0 else np.inf, scan))
     return tuple(found)
+
+
+def _saddle(through: Surface, one: Floats, other: Floats, scan: Scan) -> float:
+    """Lowest DSF on the way from a point to a higher peak; 0 if that is far away."""
+    if float(one @ other) < np.cos(np.radians(_SAME_LOBE_DEG)):
+        return 0.0
+    share = np.linspace(0.0, 1.0, 33)[:, None]
+    way = (1.0 - share) * one + share * other
+    way /= np.linalg.norm(way, axis=1)[:, None]
+    way[:, 2] *= 1.0 if scan.side == "interior" else -1.0
+    return float(through.evaluate(way, dsf=True)[:, 0].min())
 
 
 def _neighbours(starts: NDArray[np.int32], members: NDArray[np.int32], values: Floats) -> tuple[Floats, Floats]:

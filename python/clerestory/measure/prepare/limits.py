@@ -97,7 +97,7 @@ def within_reach(
             lost[name] += int(which.sum())
         made.append(_kept(scan, ~(grazing | shadow | out)))
     words = (
-        f"points up to {limit:g}° kept{' (the most grazing incident angle)' if automatic else ''}: "
+        f"points up to {limit:g}° kept{' (by the most grazing incident angle)' if automatic else ''}: "
         f"{counted(lost['grazing'], 'point')} beyond, {lost['shadow']} in the detector's shadow and"
         f" {lost['out of reach']} out of reach left out"
     )
