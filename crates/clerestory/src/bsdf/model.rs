@@ -162,7 +162,7 @@ impl Model {
             Self::Beam(b) => b.turned(turn).map(Self::Beam),
             Self::Turned(t) => Some(t.base().turned(turn.after(t.turn()))),
             Self::Sum(s) => Some(Self::Sum(s.map(|m| m.turned(turn)))),
-            Self::Interpolant(i) => i.isotropic().then(|| self.clone()),
+            Self::Interpolant(i) => (i.isotropic() && !turn.mirror()).then(|| self.clone()),
             Self::Filtered(f) => f.try_map(|m| Ok(m.turned(turn))).ok().map(Self::Filtered),
             Self::Specular(Specular::Patches { .. }) | Self::Reversed(_) | Self::Separated(_) => None,
         };
