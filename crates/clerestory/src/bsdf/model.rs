@@ -163,7 +163,16 @@ impl Model {
             Self::Turned(t) => Some(t.base().turned(turn.after(t.turn()))),
             Self::Sum(s) => Some(Self::Sum(s.map(|m| m.turned(turn)))),
             Self::Interpolant(i) => (i.isotropic() && !turn.mirror()).then(|| self.clone()),
-            Self::Filtered(f) => f.try_map(|m| Ok(m.turned(turn))).ok().map(Self::Filtered),
+            // Turned tables do not know their totals without sampling: then it is turned as a whole.
+            Self::Filtered(f) => f
+                .try_map(|m| Ok(m.turned(turn)))
+                .ok()
+                .filter(|f| {
+                    ![f.base(), f.before(), f.after()]
+                        .iter()
+                        .any(|m| matches!(***m, Self::Turned(_)))
+                })
+                .map(Self::Filtered),
             Self::Specular(Specular::Patches { .. }) | Self::Reversed(_) | Self::Separated(_) => None,
         };
         exact.unwrap_or_else(|| Self::Turned(Turned::new(Arc::new(self.clone()), turn)))

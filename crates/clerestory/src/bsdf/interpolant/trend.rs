@@ -227,14 +227,15 @@ mod tests {
             .map(|(k, a)| Disk::from_angles(f64::from(k * 10).to_radians(), f64::from(a * 15).to_radians()))
             .collect();
         let values = |points: &[Disk]| points.iter().map(|&p| truth(p)).collect::<Vec<_>>();
-        for trend in [
-            Trend::chain(&chain, &values(&chain)),
-            Trend::plate(&grid, &values(&grid)),
+        // A plate sags where it is steep, between azimuths that are 15° apart.
+        for (trend, most) in [
+            (Trend::chain(&chain, &values(&chain)), 0.008),
+            (Trend::plate(&grid, &values(&grid)), 0.012),
         ] {
             for k in 0..75 {
                 let at = Disk::from_angles(f64::from(k).to_radians(), 0.4);
                 assert!(
-                    (trend.at(at) - truth(at)).abs() < 0.008,
+                    (trend.at(at) - truth(at)).abs() < most,
                     "{k}: {} {}",
                     trend.at(at),
                     truth(at)
