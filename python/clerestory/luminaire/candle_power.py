@@ -120,8 +120,8 @@ def candle_power(
         )
     if not area_m2 > 0.0:
         raise ClerestoryError(f"an area of {area_m2:g} m² is none (give more than 0)")
-    c_deg = np.arange(int(planes)) * c_step_deg
-    gamma_deg = np.arange(int(rings) + 1) * gamma_step_deg
+    c_deg: Floats = np.arange(int(planes), dtype=np.float64) * c_step_deg
+    gamma_deg: Floats = np.arange(int(rings) + 1, dtype=np.float64) * gamma_step_deg
     falling = Falling.of(facade, sky)
     directions = _cells(c_deg, gamma_deg, c_step_deg, gamma_step_deg)
     flat = np.ascontiguousarray(directions.reshape(-1, 3))

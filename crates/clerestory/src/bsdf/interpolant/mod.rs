@@ -465,8 +465,8 @@ mod tests {
             for j in 0..20 {
                 let outgoing = Disk::uniform(r2(j, [0.2; 2]));
                 let (x, y) = (model.evaluate(a, outgoing), model.evaluate(b, outgoing));
-                // Slivers of lobes are not followed, and there are others on either side.
-                assert!((x - y).abs() < 1e-2 * (x + y), "{k} {j}: {x} {y}");
+                // What is left of the third corner's view on the edge is not quite the same on either side.
+                assert!((x - y).abs() < 2e-2 * (x + y), "{k} {j}: {x} {y}");
             }
         }
     }
