@@ -465,8 +465,9 @@ mod tests {
             for j in 0..20 {
                 let outgoing = Disk::uniform(r2(j, [0.2; 2]));
                 let (x, y) = (model.evaluate(a, outgoing), model.evaluate(b, outgoing));
-                // What is left of the third corner's view on the edge is not quite the same on either side.
-                assert!((x - y).abs() < 2e-2 * (x + y), "{k} {j}: {x} {y}");
+                // To a thousandth of the peak's height: its flanks are a few per cent apart.
+                let height = truth(a, a);
+                assert!((x - y).abs() < 1e-3 * (x + y + height), "{k} {j}: {x} {y}");
             }
         }
     }
