@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from clerestory import ClerestoryError
+from clerestory.annual.control.curve import control_curve, slats_of
 from clerestory.annual.control.slats import Slats
 from clerestory.cli import main
-from clerestory.system.control_curve import control_curve, slats_of
 from clerestory.trace import load
 
 FLAT = Slats(80.0, 72.0)

@@ -48,8 +48,8 @@ def curve(
     if output is not None and output.suffix.lower() not in _SUFFIXES:
         raise UsageError(f"{output}: the name does not tell the format (end it with {', '.join(_SUFFIXES)})")
     low, high = numbers(tilts, "--range", 2, "0,90")
+    from clerestory.annual.control.curve import control_curve, slats_of
     from clerestory.annual.control.slats import Slats
-    from clerestory.system.control_curve import control_curve, slats_of
 
     if recipe is None:
         width, pitch, crown = numbers(slats or "", "--slats", 3, "80,72,8")
