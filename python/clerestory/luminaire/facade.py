@@ -96,7 +96,22 @@ class Falling:
         """Illuminance of the window [lx]."""
         return float(self.illuminance.sum())
 
-    def flux(self, bsdf: Bsdf, band: str | None) -> float:
-        """That passes a square metre of the window [lm]."""
-        passed = bsdf.integrate(self.incident, "transmission", band=band)
-        return float(np.asarray(passed) @ self.illuminance)
+    def flux(self, bsdf: Bsdf, band: str | None, even: Floats | None = None) -> float:
+        """That passes a square metre of the window [lm].
+
+        Parameters
+        ----------
+        bsdf, band
+            Of the window.
+        even
+            What `even_transmittance` gave, for those who ask for many skies.
+        """
+        passed = even_transmittance(bsdf, band) if even is None else even
+        if self.has_sun:
+            passed = np.append(passed, bsdf.integrate(self.incident[-1:], "transmission", band=band))
+        return float(passed @ self.illuminance)
+
+
+def even_transmittance(bsdf: Bsdf, band: str | None) -> Floats:
+    """Transmittance (n,) for the directions that the light of all skies is taken from."""
+    return np.asarray(bsdf.integrate(-_core.square_directions(STEPS), "transmission", band=band))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clerestory.luminaire.facade import Facade, Falling
+from clerestory.luminaire.facade import Facade, Falling, even_transmittance
 from clerestory.sky import Sky, SunPosition
 
 if TYPE_CHECKING:
@@ -75,6 +75,7 @@ def daylight_supply(
         Visible by default.
     """
     facades = {name: Facade(ORIENTATIONS[name]) for name in orientations or ORIENTATIONS}
+    even = even_transmittance(bsdf, band)
     found = []
     for day in days:
         times, skies = [], []
@@ -87,7 +88,7 @@ def daylight_supply(
                 skies.append(Sky.cie(CLEAR, sun, direct=level.direct_normal, diffuse=level.diffuse_horizontal))
         for name, facade in facades.items():
             falling = [Falling.of(facade, sky) for sky in skies]
-            flux = np.array([light.flux(bsdf, band) for light in falling])
+            flux = np.array([light.flux(bsdf, band, even) for light in falling])
             hours = step_min / 60.0
             outside = sum(light.total for light in falling)
             found.append(Supply(day, name, float(flux.sum()) * hours, outside * hours, tuple(times), flux))
