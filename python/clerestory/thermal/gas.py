@@ -109,7 +109,8 @@ def _phi(ratio: float, root: float, mass: float) -> float:
     mass
         M_i / M_j.
     """
-    return (1.0 + math.sqrt(ratio) * root**0.25) ** 2 / (2.0 * math.sqrt(2.0) * math.sqrt(1.0 + mass))
+    fourth = math.sqrt(math.sqrt(root))
+    return (1.0 + math.sqrt(ratio) * fourth) ** 2 / (2.0 * math.sqrt(2.0) * math.sqrt(1.0 + mass))
 
 
 def _mixed(values: list[float], shares: list[float], interaction: list[list[float]]) -> float:

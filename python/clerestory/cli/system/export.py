@@ -18,9 +18,9 @@ from clerestory.cli.common import (
     read,
     refuse_overwriting,
     say,
-    warn,
     write_whole,
 )
+from clerestory.cli.system.product import is_data_set, solved, specified
 
 if TYPE_CHECKING:
     from clerestory.bsdf import Bsdf
@@ -96,17 +96,11 @@ def export(
 
 
 def _product(product: str, *, quiet: bool) -> tuple[Bsdf, str, list[Path]]:
-    if product.lower().endswith((".xml", ".xml.gz", ".npz")):
+    if is_data_set(product):
         bsdf = read(Path(product))
         return bsdf, bsdf.metadata.name or Path(product).name, [Path(product)]
-    from clerestory.system.build import load
-
-    made = load(product, tell=None if quiet else note)
-    with about(Path(product)):
-        built = made.solve()
-    for text in built.warnings:
-        warn(product, text)
-    return built.bsdf, made.name, made.sources
+    made = specified(product, quiet=quiet)
+    return solved(product, made).bsdf, made.name, made.sources
 
 
 def _place(text: str) -> Place:
