@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from clerestory.bsdf import Bsdf
     from clerestory.system.window import Built
+    from clerestory.trace import Sample
 
 SYSTEMS = Shelf(Path(__file__).parent / "systems", "specification of a window", "system build")
 names = SYSTEMS.names
@@ -39,6 +40,8 @@ class Specified:
     name: str
     sources: list[Path]
     """Files that were read."""
+    folder: Path
+    """That its files are relative to."""
 
     def solve(self) -> Built:
         """On the patches that it asks for."""
@@ -54,11 +57,14 @@ class Specified:
     def _described(self, bsdf: Bsdf) -> Bsdf:
         keys = self.specification.system
         size = {key: value for key, value in (("width_m", keys.width_m), ("height_m", keys.height_m)) if value}
-        return bsdf.with_metadata(name=self.name, **size)
+        return bsdf.with_metadata(name=self.name, **size, **self.specification.product.fields)
 
 
 def load(
-    source: str | os.PathLike[str] | Mapping[str, Any], *, tell: Callable[[str], object] | None = None
+    source: str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    folder: str | os.PathLike[str] = ".",
+    tell: Callable[[str], object] | None = None,
 ) -> Specified:
     """A window from a specification.
 
@@ -66,6 +72,8 @@ def load(
     ----------
     source
         A TOML file, the name of one that comes with Clerestory (`names` lists them), or tables as TOML has them.
+    folder
+        That the files of tables are relative to; those of a TOML file are relative to it.
     tell
         Called with words on what is being made, where that takes time.
 
@@ -79,7 +87,7 @@ def load(
     from collections.abc import Mapping
 
     if isinstance(source, Mapping):
-        return _made(_checked(source), Path(), [], tell)
+        return _made(_checked(source), Path(folder), [], tell)
     path = SYSTEMS.find(str(source))
     try:
         return _made(_checked(read_toml(path)), path.parent, [path], tell)
@@ -125,7 +133,7 @@ def _made(
             raise RecipeError(f"layer {number} ({_called(keys)}): {reason} (check the file)") from None
         solids.append(replace(layer.flipped() if keys.flipped else layer, number=number))
     name = specification.system.name or " + ".join(layer.name for layer in solids)
-    return Specified(specification, Window(solids, gaps), name, sources)
+    return Specified(specification, Window(solids, gaps), name, sources, folder)
 
 
 def _called(keys: GlassKeys | FileKeys | RecipeKeys) -> str:
@@ -216,20 +224,27 @@ def _file(keys: FileKeys, folder: Path, sources: list[Path]) -> Layer:
     )
 
 
+def _sample(keys: RecipeKeys, folder: Path, sources: list[Path]) -> Sample:
+    from clerestory.trace import Sample
+    from clerestory.trace.recipe import Recipe, changed
+    from clerestory.trace.shipped import RECIPES
+
+    if isinstance(keys.recipe, dict):
+        return Sample(Recipe.of(changed(keys.recipe, keys.changed)), folder)
+    path = folder / keys.recipe if Path(keys.recipe).suffix else RECIPES.find(keys.recipe)
+    sources.append(path)
+    try:
+        return Sample(Recipe.of(changed(read_toml(path), keys.changed)), path.parent)
+    except RecipeError as error:
+        raise RecipeError(f"{keys.recipe}: {error}") from None
+
+
 def _traced(
     keys: RecipeKeys, folder: Path, basis: str, sources: list[Path], tell: Callable[[str], object] | None
 ) -> Layer:
     from clerestory import trace
-    from clerestory.trace.shipped import RECIPES
 
-    given: Any = keys.recipe
-    if isinstance(given, str):
-        if Path(given).suffix:
-            given = folder / given
-            sources.append(given)
-        else:
-            RECIPES.find(given)
-    sample = trace.load(given)
+    sample = _sample(keys, folder, sources)
     if tell is not None:
         tell(f"tracing {sample.name}")
     measured = trace.measure(
