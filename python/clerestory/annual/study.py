@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 
 from clerestory.annual.arrivals import Arrivals
 from clerestory.annual.cache import Cache
+from clerestory.annual.control.family import expanded
 from clerestory.annual.control.stage import Stage
 from clerestory.annual.control.states import DataSet, Operated
 from clerestory.annual.control.tables import Schedule
@@ -379,6 +380,8 @@ def load(source: str | os.PathLike[str], *, cache: str | os.PathLike[str] | None
     """
     path = Path(source)
     try:
-        return Study(Recipe.of(read_toml(path)), path.parent, Cache(cache))
+        kept = Cache(cache)
+        tables = expanded(read_toml(path), path.parent, kept.folder)
+        return Study(Recipe.of(tables), path.parent, kept)
     except RecipeError as error:
         raise RecipeError(f"{path}: {error}") from error

@@ -224,19 +224,24 @@ def _file(keys: FileKeys, folder: Path, sources: list[Path]) -> Layer:
     )
 
 
-def _sample(keys: RecipeKeys, folder: Path, sources: list[Path]) -> Sample:
+def sample_of(keys: RecipeKeys, folder: Path) -> Sample:
+    """The sample of a layer that is a recipe; files are relative to a folder."""
     from clerestory.trace import Sample
     from clerestory.trace.recipe import Recipe, changed
-    from clerestory.trace.shipped import RECIPES
 
     if isinstance(keys.recipe, dict):
         return Sample(Recipe.of(changed(keys.recipe, keys.changed)), folder)
-    path = folder / keys.recipe if Path(keys.recipe).suffix else RECIPES.find(keys.recipe)
-    sources.append(path)
+    path = _recipe_file(keys.recipe, folder)
     try:
         return Sample(Recipe.of(changed(read_toml(path), keys.changed)), path.parent)
     except RecipeError as error:
         raise RecipeError(f"{keys.recipe}: {error}") from None
+
+
+def _recipe_file(given: str, folder: Path) -> Path:
+    from clerestory.trace.shipped import RECIPES
+
+    return folder / given if Path(given).suffix else RECIPES.find(given)
 
 
 def _traced(
@@ -244,7 +249,9 @@ def _traced(
 ) -> Layer:
     from clerestory import trace
 
-    sample = _sample(keys, folder, sources)
+    sample = sample_of(keys, folder)
+    if isinstance(keys.recipe, str):
+        sources.append(_recipe_file(keys.recipe, folder))
     if tell is not None:
         tell(f"tracing {sample.name}")
     measured = trace.measure(

@@ -58,7 +58,7 @@ def family(
     """Make a product's data set for every value of a parameter, with a manifest that names them.
 
     A specification is a recipe, or the specification of a window, with a table [family] that says which of its keys
-    changes, and to which values; docs/systems.md has every key. A study takes the manifest as the states of its windows.
+    changes, and to which values; docs/systems.md has every key. A study takes the manifest for its windows' states.
 
     Example: clerestory system family blind-family.toml -o blind
     """

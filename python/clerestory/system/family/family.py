@@ -13,6 +13,7 @@ from clerestory.model import Model
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from clerestory.system.product import Orientation
 
@@ -28,6 +29,8 @@ class State:
     bsdf: Bsdf
     components: tuple[dict[str, Any], ...] = ()
     """What the product is made of in this state, as `clerestory.system.components` lists it."""
+    file: Path | None = None
+    """That it was read from."""
 
 
 @dataclass(frozen=True)

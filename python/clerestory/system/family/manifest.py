@@ -12,9 +12,9 @@ from pydantic import Field
 
 from clerestory._core import ClerestoryError, FileFormatError, __version__
 from clerestory.files import read as read_bsdf
+from clerestory.system.components import sha256
 from clerestory.system.family.family import Family, State
 from clerestory.system.product import OrientationKeys, ProductData, with_product
-from clerestory.system.components import sha256
 from clerestory.trace.keys import Keys, Number
 from clerestory.whole import write_whole
 
@@ -184,7 +184,7 @@ def _family(keys: ManifestKeys, folder: Path) -> Family:
             raise FileFormatError(f"{place}: {file} does not exist (build the family again)")
         if sha256(file) != entry.sha256:
             raise FileFormatError(f"{place}: {file} has changed since (build the family again)")
-        states.append(State(entry.name, entry.value, read_bsdf(file), tuple(entry.components)))
+        states.append(State(entry.name, entry.value, read_bsdf(file), tuple(entry.components), file))
     steps = [b.value - a.value for a, b in pairwise(states)]
     if not (all(step > 0.0 for step in steps) or all(step < 0.0 for step in steps)):
         raise FileFormatError("the values of its states neither rise nor fall all along (build the family again)")

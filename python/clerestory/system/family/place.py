@@ -41,7 +41,7 @@ def find(tables: dict[str, Any], parameter: str) -> Place:
     if not found:
         known = sorted({str(place[-1]) for place in _places(tables, None)})
         raise RecipeError(
-            f"family.parameter: the product has no {parameter} with a number (it has {', '.join(known) or 'none at all'})"
+            f"family.parameter: the product has no {parameter} with a number (it has {', '.join(known) or 'none'})"
         )
     if len(found) > 1:
         places = ", ".join(words(place) for place in found)

@@ -1,4 +1,4 @@
-"""What a data set says of its product besides light: what it is made of, heat, control curve, and how it is to be placed."""
+"""What a data set says of its product besides light: its layers, heat, control curve, and how it is to be placed."""
 
 from clerestory.system.product.data import Curve, Heat, Orientation, ProductData
 from clerestory.system.product.keys import OrientationKeys, ProductKeys

@@ -1,13 +1,16 @@
 """What is known of a product, inside a BSDF XML file: one element that other readers pass over.
 
-`<ProductData xmlns="urn:clerestory:product:1">` stands under `<WindowElement>`, before `<Optical>`. In it, all optional:
+`<ProductData xmlns="urn:clerestory:product:1">` stands under `<WindowElement>`, before `<Optical>`. In it, all
+optional:
 
 - `<State parameter="tilt_deg">30</State>`: what changes in the product's family, and its value here.
 - `<Heat winter="…" summer="…">` with `<U unit="W/(m2 K)">`, `<SHGC>` and `<SHGCDiffuse>`.
-- `<Orientation mounting="roof">` (or `facade`) with `<Azimuth unit="Degree">` (by the compass: in a roof that of the up of
-  the data, in a façade that of the outward normal), `<Within unit="Degree">` and `<Tilt unit="Degree">low high</Tilt>`.
-- `<ControlCurve unit="Degree">` with `<Slats unit="Millimeter">width distance crown</Slats>`, `<Safety>`, `<Step>`, and a
-  `<Point profile="20">37.7</Point>` an angle: the tilt that keeps the sun out at this profile angle, empty where none does.
+- `<Orientation mounting="roof">` (or `facade`) with `<Azimuth unit="Degree">` (by the compass: in a roof that of the up
+  of the data, in a façade that of the outward normal), `<Within unit="Degree">` and
+  `<Tilt unit="Degree">low high</Tilt>`.
+- `<ControlCurve unit="Degree">` with `<Slats unit="Millimeter">width distance crown</Slats>`, `<Safety>`, `<Step>`, and
+  a `<Point profile="20">37.7</Point>` an angle: the tilt that keeps the sun out at this profile angle, empty where none
+  does.
 - `<Component number="1" kind="glass">` a layer or gap, with an element a property, named as in its manifest; shares of
   gases are `<Gas name="argon">0.9</Gas>`.
 """
