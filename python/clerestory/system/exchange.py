@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 def described(made: Specified, built: Built) -> tuple[Bsdf, list[str]]:
     """The window's matrices with the thermal properties of the whole, as of one layer, and what was assumed.
 
-    What the data set knows already goes before. A layer whose thermal properties are not known leaves those of the whole
-    as they are, with a note.
+    What the data set knows already goes before. A layer whose thermal properties are not known leaves those of the
+    whole as they are, with a note.
     """
     bsdf = built.matrices
     try:

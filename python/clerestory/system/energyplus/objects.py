@@ -2,8 +2,8 @@
 
 Conventions of EnergyPlus, as its source has them (`WindowComplexManager.cc`, `MatrixDataManager.cc`) and runs confirm:
 
-- A matrix is read row by row. For the sun's beam a row is an outgoing patch and a column an incident one, as in XML, and
-  so it is written here. In its sums over the diffuse light of sky and ground EnergyPlus takes a row for an incident
+- A matrix is read row by row. For the sun's beam a row is an outgoing patch and a column an incident one, as in XML,
+  and so it is written here. In its sums over the diffuse light of sky and ground EnergyPlus takes a row for an incident
   patch instead (`GetMatrixInput` stores a row and column as Mat2D(column, row); IntegratedFtTrans sums
   SolFrtTrans(incident, outgoing), WinSkyTrans SolFrtTrans(outgoing, incident)), so no order suits both. What it finds
   for diffuse light is that of the reversed paths: the same for panes and all that is alike from above and below.
