@@ -37,6 +37,8 @@ SEEN = (
     "Site Solar Altitude Angle",
 )
 
+_REQUIRED = "Version, 25.2;\nBuilding, B;\nGlobalGeometryRules, UpperLeftCorner, Counterclockwise, World;\n"
+
 
 def room():
     corners = [(1, 0, 2.5), (1, 0, 1), (3, 0, 1), (3, 0, 2.5)]
@@ -175,8 +177,10 @@ def test_the_sun_passes_as_in_our_data(tmp_path):
         fitted = np.linalg.lstsq(3.0 * np.stack([sky, ground], axis=1)[lit], diffuse[lit], rcond=None)[0][part]
         assert fitted == pytest.approx(reversed_, rel=1e-6)
     # The same objects as IDF text are the same to it: its converter makes epJSON of them.
-    (tmp_path / "only.idf").write_text("Version, 25.2;\n" + idf(objects))
-    subprocess.run([program, "--convert-only", "-d", tmp_path, "only.idf"], cwd=tmp_path, capture_output=True, check=True)
+    (tmp_path / "only.idf").write_text(_REQUIRED + idf(objects))
+    subprocess.run(
+        [program, "--convert-only", "-d", tmp_path, "only.idf"], cwd=tmp_path, capture_output=True, check=True
+    )
     back = json.loads((tmp_path / "only.epJSON").read_text())
     held = json.loads(epjson(objects))
     for kind, named in held.items():

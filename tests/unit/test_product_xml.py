@@ -1,4 +1,4 @@
-"""What XML files say of a product besides light: written, read back, and passed over by others."""
+"""What XML files say of a product besides light: written and read back."""
 
 import numpy as np
 import pytest
@@ -57,19 +57,6 @@ def test_all_comes_back(tmp_path):
     assert product_of(data_set()) is None
     again = with_product(with_product(data_set(), DATA), ProductData(value=1.0, parameter="height"))
     assert product_of(again) == ProductData(value=1.0, parameter="height")
-
-
-def test_lbnls_parser_passes_over_it(tmp_path):
-    pywincalc = pytest.importorskip("pywincalc", reason="pywincalc absent")
-    path = tmp_path / "a.xml"
-    bsdf = with_product(data_set(), DATA)
-    bsdf.write(path)
-    layer = pywincalc.parse_bsdf_xml_file(str(path))
-    assert (layer.emissivity_front, layer.emissivity_back) == (0.8, 0.7)
-    measurements = layer.measurements
-    solar = measurements.solar
-    block = solar.reflectance_back
-    assert np.array_equal(np.array(block.data), bsdf.models["solar"]["interior", "reflection"].values)
 
 
 @pytest.mark.parametrize(
