@@ -95,10 +95,10 @@ def register(name: str = "clerestory") -> None:
     """
 
     def made(properties: Any) -> Any:  # noqa: ANN401 (of Mitsuba)
-        if not properties.has_property("filename"):
+        if "filename" not in properties:
             raise ClerestoryError(f"a material of type {name!r} needs filename, that of a BSDF")
         band = properties.get("band", "") or None
-        up = [float(x) for x in properties["up"]] if properties.has_property("up") else None
+        up = [float(x) for x in properties["up"]] if "up" in properties else None
         return _kind(_variant())(properties, read(str(properties["filename"])), band, up)
 
     _variant()
@@ -267,7 +267,9 @@ def _into(axes: Floats | None, vectors: Floats) -> Floats:
         return vectors
     y, x = axes, np.column_stack([axes[:, 1], -axes[:, 0]])
     plane = np.broadcast_to(vectors[:, :2], (max(len(axes), len(vectors)), 2))
-    return np.column_stack([(plane * x).sum(axis=1), (plane * y).sum(axis=1), np.broadcast_to(vectors[:, 2], len(plane))])
+    return np.column_stack(
+        [(plane * x).sum(axis=1), (plane * y).sum(axis=1), np.broadcast_to(vectors[:, 2], len(plane))]
+    )
 
 
 def _from(axes: Floats | None, vectors: Floats) -> Floats:

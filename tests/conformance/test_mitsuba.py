@@ -42,13 +42,20 @@ def uneven() -> Bsdf:
     return Bsdf.from_models({key: Model.matrix(rng.random((n, n)) * 0.4 / np.pi, basis) for key in COMPONENTS})
 
 
-def seen(bsdf, light: dict, towards: np.ndarray, *, turned: float = 0.0, samples: int = 16) -> np.ndarray:
+PATHS = {"type": "path", "max_depth": 3, "rr_depth": 100}
+#: By directions that the material draws alone, so that there is no noise where it draws by its values.
+DRAWN = {"type": "direct", "bsdf_samples": 1, "emitter_samples": 0}
+
+
+def seen(
+    bsdf, light: dict, towards: np.ndarray, *, turned: float = 0.0, samples: int = 16, integrator: dict = PATHS
+) -> np.ndarray:
     """Radiance of the origin, towards a direction in the sample's frame; the sample is turned in its plane [°]."""
     eye = (5.0 * towards).tolist()
     scene = mi.load_dict(
         {
             "type": "scene",
-            "integrator": {"type": "path", "max_depth": 3, "rr_depth": 100},
+            "integrator": integrator,
             "sensor": {
                 "type": "perspective",
                 "fov": 0.02,
@@ -78,7 +85,7 @@ SKY = {"type": "constant", "radiance": {"type": "rgb", "value": 1.0}}
 def test_white_furnace(side):
     """As bright as what surrounds it, where nothing is absorbed."""
     eye = direction(35.0, 20.0, side=side)
-    np.testing.assert_allclose(seen(material(lambertian(0.7, 0.3)), SKY, eye, samples=2000), 1.0, rtol=4e-3)
+    np.testing.assert_allclose(seen(material(lambertian(0.7, 0.3)), SKY, eye, integrator=DRAWN), 1.0, rtol=1e-5)
 
 
 @pytest.mark.parametrize("scatter", SCATTERS)
@@ -93,14 +100,14 @@ def test_a_matrix_in_the_sun(side, scatter):
 
 
 @pytest.mark.parametrize("side", SIDES)
-def test_a_matrix_under_the_sky(side):
+def test_a_matrix_under_the_sky(side, variant):
     """Directions are drawn by the density that is told, and light is weighed by it."""
     data, eye = uneven(), direction(40.0, 300.0, side=side)
-    back = Bsdf.from_models(
-        {(outgoing_side(s, c), c): data.model(s, c)[0].reciprocal() for s, c in COMPONENTS}
-    )
+    back = Bsdf.from_models({(outgoing_side(s, c), c): data.model(s, c)[0].reciprocal() for s, c in COMPONENTS})
     expected = sum(float(back.integrate(eye, scatter)) for scatter in SCATTERS)
-    np.testing.assert_allclose(seen(material(data), SKY, eye, samples=4000), expected, rtol=0.01)
+    np.testing.assert_allclose(seen(material(data), SKY, eye, integrator=DRAWN), expected, rtol=CLOSE)
+    if "llvm" in variant:  # the other one takes its time
+        np.testing.assert_allclose(seen(material(data), SKY, eye, samples=4000), expected, rtol=0.03)
 
 
 def test_up_is_the_worlds():
@@ -118,28 +125,33 @@ def test_glass():
     """Beams go on and are mirrored; what is seen of the sky is what both make of it."""
     glass, eye = pane_from_normal(0.8, 0.1), direction(60.0, 130.0, side="interior")
     t, r = (float(glass.integrate(eye, scatter)) for scatter in SCATTERS)
-    np.testing.assert_allclose(seen(material(glass), SKY, eye, samples=4000), t + r, rtol=0.02)
+    np.testing.assert_allclose(seen(material(glass), SKY, eye, integrator=DRAWN), t + r, rtol=CLOSE)
     # A lamp behind the pane, in the line of sight.
     lamp = {
         "type": "disk",
         "to_world": mi.ScalarTransform4f().look_at(origin=(-8.0 * eye).tolist(), target=[0, 0, 0], up=[0, 1, 0]),
         "emitter": {"type": "area", "radiance": {"type": "rgb", "value": 1.0}},
     }
-    np.testing.assert_allclose(seen(material(glass), lamp, eye, samples=4000), t, rtol=0.05)
+    found = seen(material(glass), lamp, eye, samples=1000, integrator=DRAWN)
+    # Rays that are mirrored miss it.
+    np.testing.assert_allclose(found, t, atol=4.0 * np.sqrt(t * r / 1000))
 
 
 def test_files_and_what_is_wrong(tmp_path, variant):
     lambertian(0.5, 0.2).save(tmp_path / "film.bsdf.npz")
     register()
     made = {"type": "clerestory", "filename": str(tmp_path / "film.bsdf.npz"), "up": [0.0, 1.0, 0.0]}
-    found = seen(made, SKY, direction(10.0, 0.0, side="interior"), samples=2000)
-    np.testing.assert_allclose(found, 0.7, rtol=0.01)
+    found = seen(made, SKY, direction(10.0, 0.0, side="interior"), integrator=DRAWN)
+    np.testing.assert_allclose(found, 0.7, rtol=1e-5)
     with pytest.raises(Exception, match="needs filename"):
         mi.load_dict({"type": "clerestory"})
     with pytest.raises(ClerestoryError, match="no band 'solar'"):
         material(lambertian(0.5, 0.2), band="solar")
-    with pytest.raises(Exception, match="along the shape's normal"):
-        seen(material(lambertian(0.5, 0.2), up=(0.0, 0.0, 1.0)), SKY, direction(10.0, 0.0, side="interior"))
+    lying = mi.SurfaceInteraction3f()
+    lying.wi, lying.sh_frame = mi.Vector3f(0.6, 0.0, 0.8), mi.Frame3f(mi.Vector3f(0.0, 0.0, 1.0))
+    upright = material(lambertian(0.5, 0.2), up=(0.0, 0.0, 1.0))
+    with pytest.raises(ClerestoryError, match="along the shape's normal"):
+        upright.eval(mi.BSDFContext(), lying, mi.Vector3f(0.0, 0.0, 1.0))
     if "llvm" in variant:
         mi.set_variant("llvm_ad_spectral_polarized")
         with pytest.raises(ClerestoryError, match="no polarisation"):
