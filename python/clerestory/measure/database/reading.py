@@ -242,9 +242,20 @@ class Reading(Connected):
         with self._reading() as connection:
             return [_sphere(connection, sample, row, sources) for row in _rows(connection, asked)]
 
-    def contents(self, sample: str) -> Contents:
-        """Scans and sphere values of a sample, as a file would hold them."""
-        measurement = self.measurement(sample)
+    def contents(self, sample: str, *, laboratory: str | None = None, date: str | None = None) -> Contents:
+        """Scans (of a laboratory, of days that begin so) and all sphere values of a sample, as a file would hold them.
+
+        Raises
+        ------
+        ClerestoryError
+            There is no such sample, or no such scan of it.
+        """
+        measurement = self.measurement(sample, laboratory=laboratory, date=date)
+        if not measurement.scans and (laboratory, date) != (None, None):
+            raise ClerestoryError(
+                f"{self.location}: no scan of {sample!r} by {laboratory or 'any laboratory'}"
+                f"{f' of {date}' if date else ''} (`clerestory measure list runs` has laboratories and days)"
+            )
         values = tuple(self.sphere_values(sample))
         return Contents((measurement,) if measurement.scans else (), values)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, cast
 
 from clerestory.counts import counted
 from clerestory.directions import direction, incident_in_words, outgoing_in_words, outgoing_side
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from clerestory.measure.scan import Purpose, Quantity
     from clerestory.measure.sphere import Collected
 
+Kind = Literal["model", "scans"]
 Subject = Literal["sample", "instrument", "configuration", "run", "file", "scan", "model", "report"]
 SUBJECTS: tuple[Subject, ...] = (
     "sample",
@@ -165,21 +166,42 @@ class StoredSphereValues:
 
 @dataclass(frozen=True)
 class StoredModel:
-    """A model that was made of scans."""
+    """A model that was made of scans, or scans that were prepared."""
 
     id: int
     sample: str
     name: str
+    kind: Kind
     file_name: str
+    """A ZIP archive of them, where several files were written."""
     bytes: int
     sha256: str
     command: str
     settings: dict[str, object]
+    steps: tuple[dict[str, object], ...]
+    """What was done, each with step, what, settings, figures and warnings."""
+    files: dict[str, str]
+    """SHA-256 of what was written, by the name of the file."""
     version: str
     """Of Clerestory, which made it."""
     made: datetime
+    parents: tuple[int, ...]
+    """Models and prepared scans that it was made from."""
     scans: int
     sphere_values: int
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What of the database something was made of."""
+
+    samples: tuple[str, ...]
+    scans: tuple[int, ...]
+    sphere_values: tuple[int, ...]
+    parents: tuple[int, ...]
+    """Models and prepared scans whose files were read."""
+    unknown: tuple[str, ...]
+    """What is not in the database, in words."""
 
 
 @dataclass(frozen=True)
@@ -190,6 +212,7 @@ class StoredReport:
     name: str
     file_name: str
     bytes: int
+    sha256: str
     made: datetime
     models: tuple[str, ...]
 
@@ -222,10 +245,15 @@ class Provenance:
         model = self.model
         settings = ", ".join(f"{key} = {value}" for key, value in model.settings.items()) or "none"
         lines = [
-            f"model {model.name!r} of sample {model.sample!r} ({model.file_name}, SHA-256 {model.sha256[:12]}…)",
+            f"{'model' if model.kind == 'model' else 'prepared scans'} {model.name!r} of sample {model.sample!r} "
+            f"(model:{model.id}; {model.file_name}, SHA-256 {model.sha256[:12]}…)",
             f"  made {model.made:%Y-%m-%d %H:%M} by clerestory {model.version}: {model.command}",
             f"  settings: {settings}",
         ]
+        for step in model.steps:
+            lines.append(f"  step {step.get('step')}: {step.get('what')}")
+            lines += [f"    warning: {text}" for text in cast("list[str]", step.get("warnings") or [])]
+        lines += [f"  made from model:{parent}" for parent in model.parents]
         for file in self.files:
             lines.append(f"  file {file.name} (SHA-256 {file.sha256[:12]}…, {file.format}; {file.convention})")
             scans = [scan for scan in self.scans if scan.file_id == file.id]
