@@ -21,7 +21,7 @@ from clerestory.cli.common import (
     say,
 )
 from clerestory.cli.measure.inputs import measurement_of, words_of
-from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep
+from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep, stem_of
 from clerestory.cli.measure.options import (
     ColumnOption,
     ConventionOption,
@@ -143,16 +143,16 @@ def fit(
     settings |= {"laboratory": laboratory, "date": date, **choices}
     kept = None
     if keep_:
-        done_ = Made(
+        result = Made(
             [output],
-            _stem(output),
+            stem_of(output),
             {key: value for key, value in settings.items() if value is not None},
             _steps(made, basis, notes),
             scans=measurement.scans,
             report=report,
             notes=[note_] if note_ else [],
         )
-        kept = keep(context, done_, words, db)
+        kept = keep(context, result, words, db)
     if as_json:
         components = [
             asdict(component)
@@ -181,6 +181,8 @@ def fit(
         say(line)
     for path in filter(None, (output, report)):
         note(f"wrote {path}")
+    if kept is not None:
+        note(kept.words)
 
 
 def _steps(made: Fit, basis: str | None, notes: list[str]) -> list[dict[str, object]]:
@@ -192,13 +194,6 @@ def _steps(made: Fit, basis: str | None, notes: list[str]) -> list[dict[str, obj
     if basis is not None:
         steps.append({"step": "conversion", "what": f"a table on {basis}", "warnings": notes})
     return steps
-
-
-def _stem(path: Path) -> str:
-    name = path.name
-    for suffix in (".bsdf.npz", ".xml.gz", ".xml", ".npz"):
-        name = name.removesuffix(suffix)
-    return name
 
 
 def _converted(bsdf: Bsdf, basis: str, resolution: int, cull: float, done: object) -> Bsdf:

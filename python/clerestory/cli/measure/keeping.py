@@ -5,11 +5,11 @@ from __future__ import annotations
 import shlex
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clerestory.cli.common import CommandError, in_one_line, is_expected, note
+from clerestory.cli.common import CommandError, in_one_line, is_expected
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -21,9 +21,7 @@ if TYPE_CHECKING:
 KeepOption = Annotated[
     bool, typer.Option("--keep/--no-keep", help="Keep the result in the database that the scans come from.")
 ]
-NoteOption = Annotated[
-    str | None, typer.Option("--note", metavar="TEXT", help="Kept in the database with the result.")
-]
+NoteOption = Annotated[str | None, typer.Option("--note", metavar="TEXT", help="Kept in the database with the result.")]
 
 _UNTOLD = ("db", "as_json", "keep_", "note_")
 
@@ -49,12 +47,21 @@ class Made:
     notes: Sequence[str] = field(default=())
 
 
-def keep(context: typer.Context, made: Made, words: Sequence[str], db: str | None) -> dict[str, Any] | None:
-    """Keep what was made in the database that `words` were looked up in; nothing if none was.
+@dataclass(frozen=True)
+class Kept:
+    """Where it is kept."""
 
-    Returns
-    -------
-    What `--json` tells of it.
+    database: str
+    model: int | None
+    """Its number; None if the database does not have what it was made of."""
+    new: bool
+    """False if it was there already, byte by byte."""
+    report: int | None
+    words: str
+
+
+def keep(context: typer.Context, made: Made, words: Sequence[str], db: str | None) -> Kept | None:
+    """Keep what was made in the database that `words` were looked up in; nothing if none was.
 
     Raises
     ------
@@ -76,23 +83,32 @@ def keep(context: typer.Context, made: Made, words: Sequence[str], db: str | Non
         raise CommandError(f"{files}: written, but not kept in the database: {in_one_line(error)}") from error
 
 
-def _kept(database: Database, made: Made, command: str) -> dict[str, Any] | None:
+def stem_of(path: Path) -> str:
+    """The name of a data set's file without its suffixes."""
+    name = path.name
+    for suffix in (".bsdf.npz", ".xml.gz", ".xml", ".npz"):
+        name = name.removesuffix(suffix)
+    return name
+
+
+def _kept(database: Database, made: Made, command: str) -> Kept:
     from clerestory.measure.source import digest
+
+    place = str(database.location)
+
+    def without(missing: object) -> Kept:
+        words = f"note: not kept in {place}, which does not have {missing} (`clerestory measure import` takes scans in)"
+        return Kept(place, None, new=False, report=None, words=words)
 
     parents = []
     if made.model is not None:
         parent = database.made_as(digest(made.model.read_bytes()))
         if parent is None:
-            note(f"note: not kept in {database.location}, which does not have {made.model}")
-            return None
+            return without(made.model)
         parents = [parent]
     origin = database.origin(made.scans, made.spheres)
     if origin.unknown:
-        note(
-            f"note: not kept in {database.location}, which does not have {origin.unknown[0]} (`clerestory measure "
-            "import` takes it in)"
-        )
-        return None
+        return without(origin.unknown[0])
     file_name, data = _content(made.written)
     files = {path.name: digest(path.read_bytes()) for path in made.written}
     with database.transaction():
@@ -117,13 +133,9 @@ def _kept(database: Database, made: Made, command: str) -> dict[str, Any] | None
             if all(known.text != text for known in database.notes("model", number)):
                 database.note("model", number, text)
         report = _report(database, made.report, number) if made.report is not None else None
-    what = "model" if made.kind == "model" else "prepared scans"
-    name = database.model(number).name
-    if new:
-        note(f"kept in {database.location} as model:{number}, {what} {name!r} of {sample}")
-    else:
-        note(f"{database.location} has it already, byte by byte, as model:{number}, {what} {name!r} of {sample}")
-    return {"database": str(database.location), "model": number, "name": name, "new": new, "report": report}
+    verb = "kept in {}" if new else "{} has it already, byte by byte,"
+    words = f"{verb.format(place)} as {database.model(number).words} of {sample}"
+    return Kept(place, number, new, report, words)
 
 
 def _sample(database: Database, origin: Origin, parents: Sequence[int]) -> str:

@@ -1,7 +1,8 @@
 """The laboratory's database: samples, runs, files, scans with their points, models and where each came from.
 
-`Database` is one class in layers, a file each: `connection` opens it, `reading` asks, `writing` imports, `origins`
-finds measured values again, `models` and `reports` keep what was made of them, `database` takes out. `tables` is the schema, `migrations` its history.
+`Database` is one class in layers, a file each: `connection` opens it, `spheres` and `reading` ask, `writing` imports,
+`origins` finds measured values again, `models` and `reports` keep what was made of them, `database` takes out. `tables`
+is the schema, `migrations` its history.
 """
 
 from clerestory.measure.database.connection import DEFAULT, VARIABLE, Location, location

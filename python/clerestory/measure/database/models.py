@@ -12,7 +12,7 @@ from clerestory import _core
 from clerestory._core import ClerestoryError
 from clerestory.measure.database import blobs, tables
 from clerestory.measure.database.origins import Origins
-from clerestory.measure.database.records import Provenance, StoredModel, StoredSphereValues
+from clerestory.measure.database.records import Provenance, StoredModel
 from clerestory.measure.source import digest
 
 if TYPE_CHECKING:
@@ -197,23 +197,17 @@ class Models(Origins):
         model = self.model(number)
         with self._reading() as connection:
             ids = connection.execute(select(_of_scans.c.scan_id).where(_of_scans.c.model_id == number)).scalars().all()
-            spheres = tables.sphere_values
-            columns = [c for c in spheres.c if c.name in StoredSphereValues.__dataclass_fields__]
-            asked = (
-                select(*columns, tables.samples.c.name.label("sample"), tables.files.c.name.label("file"))
-                .select_from(spheres.join(_of_spheres).join(tables.samples).outerjoin(tables.files))
-                .where(_of_spheres.c.model_id == number)
-                .order_by(spheres.c.id)
-            )
-            values = tuple(StoredSphereValues(**row) for row in connection.execute(asked).mappings())
+            asked = select(_of_spheres.c.sphere_value_id).where(_of_spheres.c.model_id == number)
+            sphere_ids = connection.execute(asked).scalars().all()
             runs = {
                 run
-                for table, link in ((tables.scans, _of_scans), (spheres, _of_spheres))
+                for table, link in ((tables.scans, _of_scans), (tables.sphere_values, _of_spheres))
                 for run in connection.execute(
                     select(table.c.run_id).join_from(table, link).where(link.c.model_id == number)
                 ).scalars()
             }
         scans = tuple(self.stored_scans(ids=ids))
+        values = tuple(self.stored_sphere_values(ids=sphere_ids))
         files = {scan.file_id for scan in scans} | {value.file_id for value in values}
         return Provenance(
             model,

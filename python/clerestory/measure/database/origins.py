@@ -30,8 +30,8 @@ class Origins(Writing):
     def origin(self, scans: Iterable[Scan], sphere_values: Iterable[SphereValues] = ()) -> Origin:
         """What of the database scans and sphere values are.
 
-        They are known by all that they hold; else by the SHA-256 of their file, if that was imported, or was written by a
-        command whose result is in the database (prepared scans, say).
+        They are known by all that they hold; else by the SHA-256 of their file, if that was imported, or was written by
+        a command whose result is in the database (prepared scans, say).
         """
         found = _Found()
         with self._reading() as connection:
@@ -48,9 +48,7 @@ class Origins(Writing):
         with self._reading() as connection:
             return _product(connection, sha256, {})
 
-    def _place(
-        self, connection: Connection, found: _Found, table: Table, item: Scan | SphereValues, mark: str
-    ) -> None:
+    def _place(self, connection: Connection, found: _Found, table: Table, item: Scan | SphereValues, mark: str) -> None:
         rows = list(connection.execute(_numbered(table).where(table.c.mark == mark)))
         if not rows and item.source is not None:
             parent = _product(connection, item.source.sha256, found.products)
@@ -83,9 +81,7 @@ def _numbered(table: Table):  # type: ignore[no-untyped-def]  # noqa: ANN202  # 
     return select(table.c.id, tables.samples.c.name).join_from(table, tables.samples).order_by(table.c.id)
 
 
-def _of_file(
-    connection: Connection, table: Table, item: Scan | SphereValues, source: Source
-) -> list[tuple[int, str]]:
+def _of_file(connection: Connection, table: Table, item: Scan | SphereValues, source: Source) -> list[tuple[int, str]]:
     """What the file that it came from gave when it was imported; of a scan, that of the same light."""
     asked = _numbered(table).join(tables.files).where(tables.files.c.sha256 == source.sha256)
     if isinstance(item, Scan):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import groupby
 from typing import TYPE_CHECKING, Literal, cast
 
 from clerestory.counts import counted
@@ -103,6 +104,12 @@ class File:
     scans: int
     sphere_values: int
 
+    @property
+    def chosen(self) -> str:
+        """What a person said of its convention: a preset's name, or keys and values; empty if nothing."""
+        said = {key: self.choices[key] for key in ("convention", "front", "seen_from", "up_deg") if key in self.choices}
+        return ", ".join(value if key == "convention" else f"{key}={value}" for key, value in said.items())
+
 
 @dataclass(frozen=True)
 class StoredScan:
@@ -162,6 +169,18 @@ class StoredSphereValues:
     theta_deg: float | None
     """None for diffuse light."""
     phi_deg: float
+    bands: tuple[str, ...]
+    """Empty for a spectrum."""
+
+    @property
+    def what(self) -> str:
+        """Bands, or a spectrum."""
+        return ", ".join(self.bands) or "spectrum"
+
+    @property
+    def light_words(self) -> str:
+        """What light was measured."""
+        return "evenly diffuse" if self.theta_deg is None else f"θ {self.theta_deg:g}°, φ {self.phi_deg:g}°"
 
 
 @dataclass(frozen=True)
@@ -189,6 +208,12 @@ class StoredModel:
     """Models and prepared scans that it was made from."""
     scans: int
     sphere_values: int
+
+    @property
+    def words(self) -> str:
+        """Model 'x' (model:3; x.xml)."""
+        what = "model" if self.kind == "model" else "prepared scans"
+        return f"{what} {self.name!r} (model:{self.id}; {self.file_name})"
 
 
 @dataclass(frozen=True)
@@ -245,8 +270,8 @@ class Provenance:
         model = self.model
         settings = ", ".join(f"{key} = {value}" for key, value in model.settings.items()) or "none"
         lines = [
-            f"{'model' if model.kind == 'model' else 'prepared scans'} {model.name!r} of sample {model.sample!r} "
-            f"(model:{model.id}; {model.file_name}, SHA-256 {model.sha256[:12]}…)",
+            f"{model.words} of sample {model.sample!r}",
+            f"  SHA-256 {model.sha256}, {model.bytes:,} bytes",
             f"  made {model.made:%Y-%m-%d %H:%M} by clerestory {model.version}: {model.command}",
             f"  settings: {settings}",
         ]
@@ -254,15 +279,9 @@ class Provenance:
             lines.append(f"  step {step.get('step')}: {step.get('what')}")
             lines += [f"    warning: {text}" for text in cast("list[str]", step.get("warnings") or [])]
         lines += [f"  made from model:{parent}" for parent in model.parents]
-        for file in self.files:
-            lines.append(f"  file {file.name} (SHA-256 {file.sha256[:12]}…, {file.format}; {file.convention})")
-            scans = [scan for scan in self.scans if scan.file_id == file.id]
-            if scans:
-                points = sum(scan.points for scan in scans)
-                lines.append(f"    {counted(len(scans), 'scan')} of {counted(points, 'point')}")
-            spheres = sum(values.file_id == file.id for values in self.sphere_values)
-            if spheres:
-                lines.append(f"    {counted(spheres, 'set')} of sphere values")
+        for (form, convention), members in groupby(self.files, key=lambda file: (file.format, file.convention)):
+            lines.append(f"  {form}; {convention}:")
+            lines += [f"    {self._of_file(file)}" for file in members]
         loose = [scan for scan in self.scans if scan.file_id is None]
         if loose:
             points = sum(scan.points for scan in loose)
@@ -272,3 +291,10 @@ class Provenance:
             if any(known):
                 lines.append(f"  run: {', '.join(word for word in known if word)}")
         return lines
+
+    def _of_file(self, file: File) -> str:
+        scans = [scan for scan in self.scans if scan.file_id == file.id]
+        spheres = sum(values.file_id == file.id for values in self.sphere_values)
+        what = [f"{counted(len(scans), 'scan')} of {counted(sum(s.points for s in scans), 'point')}"] if scans else []
+        what += [f"{counted(spheres, 'set')} of sphere values"] if spheres else []
+        return f"file {file.name} (SHA-256 {file.sha256[:12]}…): {', '.join(what)}"

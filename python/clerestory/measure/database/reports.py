@@ -41,9 +41,7 @@ class Reports(Models):
             row = {"name": name, "file_name": file_name, "made": datetime.now(UTC)}
             number = self._rows.insert(_reports, {**row, "blob_id": blobs.keep(self._connection, data)})
             for model in on:
-                self._connection.execute(
-                    insert(tables.report_models).values(report_id=number, model_id=model.id)
-                )
+                self._connection.execute(insert(tables.report_models).values(report_id=number, model_id=model.id))
         return number
 
     def reports(self, *, model: int | None = None) -> list[StoredReport]:
