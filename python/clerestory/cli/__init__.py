@@ -54,6 +54,7 @@ _GROUPS: dict[str, tuple[str, ...]] = {
         "check",
         "prepare",
         "fit",
+        "hybrid",
         "calibrate",
         "export",
     ),
