@@ -18,10 +18,13 @@ import glare_year  # noqa: E402
 import goniophotometer  # noqa: E402
 import loading  # noqa: E402
 import lookups  # noqa: E402
+import measure_fit  # noqa: E402
+import measure_import  # noqa: E402
 import rays  # noqa: E402
 import rooms  # noqa: E402
 import round_robin  # noqa: E402
 import shading  # noqa: E402
+import systems  # noqa: E402
 import treatments  # noqa: E402
 import year_chain  # noqa: E402
 import year_growth  # noqa: E402
@@ -42,6 +45,13 @@ CHAPTERS = {
         "rays": rays.report,
         "shading": shading.report,
         "round-robin": round_robin.report,
+    },
+    "Measurements": {
+        "measure-import": measure_import.report,
+        "measure-fit": measure_fit.report,
+    },
+    "Window systems": {
+        "systems": systems.report,
     },
     "Rooms": {
         "rooms": rooms.report,

@@ -1,10 +1,12 @@
 """Fixtures for all tests."""
 
 import os
+import uuid
 from pathlib import Path
 
 import pytest
 
+import postgres
 from samples import ABSENT, sample_root
 
 
@@ -26,3 +28,27 @@ def require_pyradiance():
     pyradiance = pytest.importorskip("pyradiance", reason="pyradiance absent")
     os.environ.setdefault("RAYPATH", f".:{Path(pyradiance.__file__).parent / 'lib'}")
     return pyradiance
+
+
+@pytest.fixture(scope="session")
+def postgres_server():
+    """The address of a PostgreSQL server to throw away; skips where its programs are absent."""
+    folder = postgres.programs()
+    if folder is None:
+        pytest.skip(postgres.ABSENT)
+    with postgres.server(folder) as address:
+        yield address
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def database_place(request, tmp_path) -> str:
+    """Where a database can be made that only this test uses: a SQLite file, and a schema of a server's."""
+    if request.param == "sqlite":
+        return str(tmp_path / "lab.sqlite")
+    import psycopg
+
+    address = request.getfixturevalue("postgres_server")
+    name = f"t{uuid.uuid4().hex[:12]}"
+    with psycopg.connect(address, autocommit=True) as connection:
+        connection.execute(f"CREATE DATABASE {name}")
+    return address.replace("/postgres?", f"/{name}?")

@@ -12,7 +12,8 @@ import numpy as np
 
 from clerestory import Basis, Bsdf, Model, read
 from clerestory.directions import direction, outgoing_side
-from clerestory.system import pane, stack
+from clerestory.system import Layer, Window, pane, stack
+from clerestory.system.shelf import glass
 from partition import Polar, Sectors, Square, Turned
 
 if TYPE_CHECKING:
@@ -341,7 +342,41 @@ def _cases() -> list[Case]:
             ),
             of(full),
         ),
+        Case(
+            "specular by cosine",
+            lambda: transmission(Model.specular(np.array([0.0, 0.7, 0.85, 0.9]), by="cosine")),
+            diffuse,
+        ),
+        Case("diffuser seen through beams", lambda: transmission(Model.lambertian(0.8).filtered(_PASS, _PASS))),
+        Case(
+            "table seen through beams by patch",
+            lambda: transmission(
+                table(full, seed=13).filtered(_PASS, Model.specular(np.linspace(1, 0.2, 145), basis=full))
+            ),
+            of(full),
+        ),
+        Case("tree seen through beams", lambda: transmission(tree_model(4, 3).filtered(_PASS, _PASS)).rotated(12.0)),
+        Case(
+            "window at its layers' own resolution",
+            lambda: Window(
+                [Layer("pane", pane=glass("clear", 0.006)), Layer("shade", bsdf=_SHADE)]
+            ).sharpened(basis=small),
+        ),
+        Case("isotropic interpolant", lambda: transmission(interpolant("isotropic", "transport"))),
+        Case("anisotropic interpolant", lambda: transmission(interpolant("none", "transport"))),
+        Case("linear interpolant", lambda: transmission(interpolant("none", "linear"))),
     ]
+
+
+def interpolant(symmetry: str, method: str) -> Model:
+    """A model of a few coarse scans of a peak over a diffuse floor."""
+    from clerestory.measure.interpolant import fit
+    from synthetic_lab import diffuse_and_peak, series
+
+    phis = (0.0,) if symmetry == "isotropic" else (0.0, 72.0, 144.0, 216.0, 288.0)
+    scans = series(diffuse_and_peak, (0.0, 30.0, 60.0, 75.0), phis)
+    made = fit(scans, method=method, symmetry=symmetry, hold_out=False)  # type: ignore[arg-type]
+    return made.bsdf.models["visible"]["exterior", "transmission"]
 
 
 def _tree_with_beam() -> Bsdf:
@@ -382,6 +417,10 @@ def isotropic_beam() -> Model:
     return _read_tree(3, node(0, (0, 0, 0))).models["visible"]["exterior", "transmission"]
 
 
+#: What a pane leaves over, by cosine.
+_PASS = Model.specular(np.array([0.0, 0.6, 0.8, 0.85, 0.9]), by="cosine")
+
+
 def _diffuser(basis: Basis) -> Bsdf:
     """A reciprocal-looking layer that scatters to both sides."""
     return Bsdf.from_models(
@@ -393,6 +432,14 @@ _COMPONENTS: list[tuple[Side, Scatter]] = [
     (side, scatter) for side in ("exterior", "interior") for scatter in ("transmission", "reflection")
 ]
 
+
+#: A diffuser with holes.
+_SHADE = Bsdf.from_models(
+    {
+        key: Model.sum([(1.0, Model.lambertian(0.3)), (1.0, Model.specular(0.2 if key[1] == "transmission" else 0.05))])
+        for key in _COMPONENTS
+    }
+)
 
 CASES = {case.name: case for case in _cases()}
 

@@ -160,6 +160,19 @@ class Geometry:
         z: float,
     ) -> Geometry: ...
 
+class Distributions:
+    def __init__(
+        self,
+        measured: list[tuple[_Floats, _Floats, _Floats, _Floats, float, float]],
+        progress: Callable[[float], object] | None,
+    ) -> None: ...
+    def __len__(self) -> int: ...
+    def scattered(self) -> _Floats: ...
+    def lobe_counts(self) -> list[int]: ...
+    def scaled(self, scattered: _Floats, beam: _Floats) -> Distributions: ...
+    def model(self, symmetry_name: str, method_name: str, progress: Callable[[float], object] | None) -> Model: ...
+    def held_out(self, symmetry_name: str, method_name: str, chosen: list[int]) -> _Floats: ...
+
 class Model:
     @staticmethod
     def matrix(incident: Basis, outgoing: Basis, values: _Floats, standard_errors: _Floats | None = None) -> Model: ...
@@ -170,6 +183,8 @@ class Model:
     @staticmethod
     def specular_angular(values: _Floats) -> Model: ...
     @staticmethod
+    def specular_cosine(values: _Floats) -> Model: ...
+    @staticmethod
     def specular_patches(basis: Basis, values: _Floats) -> Model: ...
     @staticmethod
     def beam(basis: Basis, values: _Floats, errors: _Floats) -> Model: ...
@@ -177,6 +192,9 @@ class Model:
     def sum(parts: list[tuple[float, Model]]) -> Model: ...
     @staticmethod
     def mixture(parts: list[tuple[float, Model]]) -> Model: ...
+    def filtered(self, before: Model, after: Model) -> Model: ...
+    def extrapolated(self, incident: _Floats, outgoing: _Floats) -> list[bool] | None: ...
+    def brightest(self, incident: _Floats) -> _Floats: ...
     def anisotropy(self) -> float: ...
     def reciprocity_error(self, back: Model) -> float | None: ...
     def to_parts(
@@ -507,3 +525,57 @@ class RoomPicture:
     def sums(self) -> tuple[_Floats, _Floats]: ...
     def restore(self, sums: _Floats, squares: _Floats, samples: int) -> None: ...
     def sun(self) -> _Floats: ...
+
+def read_table(
+    data: bytes,
+    columns: int = 0,
+    *,
+    start: int = 0,
+    line: int = 1,
+    delimiter: str | None = None,
+    words: list[int] = ...,
+    runs: list[int] = ...,
+    empty: bool = False,
+    stops: bool = False,
+) -> tuple[list[_Floats], list[list[str]], int, int]:
+    """A table of numbers as an array a column, for all readers of text.
+
+    Parameters
+    ----------
+    data
+        The file. Lines end with LF, CR LF or CR; empty lines and what follows `#` are passed over.
+    columns
+        Columns of every row; as many as the first row has, if it is 0.
+    start, line
+        First byte of the table, and the number of its line.
+    delimiter
+        The character between columns; blanks, tabs, commas or semicolons where it is None.
+    words
+        Columns of words, perhaps quoted; their arrays hold places in the lists of different words.
+    runs
+        Columns that stay the same over many rows: their arrays hold one value a run of rows.
+    empty
+        Let a field be empty; it is NaN then. Asks for a delimiter.
+    stops
+        End the table where a line of comment stands behind a row.
+
+    Returns
+    -------
+    columns, different words of each column in `words`, byte and line behind the table. Behind the columns comes the
+    first row of each run where `runs` names any.
+
+    Raises
+    ------
+    FileFormatError
+        Line, what is wrong and remedy: a row is too short or too long, a number is none or not finite, a comma stands
+        for a decimal point.
+    """
+
+def write_table(columns: list[_Floats], separator: str, before: str = "") -> bytes:
+    """Rows of numbers, each behind `before`, in the fewest digits that give the same numbers; NaN is an empty field."""
+
+def gunzip(data: bytes) -> bytes:
+    """What gzip data unpack to; refused where it is more than 64 MiB and 50 times the data, or begins with zeros only.
+
+    Plain data come back as they are.
+    """

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -58,7 +58,12 @@ class Model(TreeOperations):
 
     @classmethod
     def specular(
-        cls, value: float | ArrayLike, *, basis: Basis | None = None, standard_error: ArrayLike | None = None
+        cls,
+        value: float | ArrayLike,
+        *,
+        basis: Basis | None = None,
+        standard_error: ArrayLike | None = None,
+        by: Literal["sine", "cosine"] = "sine",
     ) -> Model:
         """Ideal straight or mirrored beam.
 
@@ -66,11 +71,14 @@ class Model(TreeOperations):
         ----------
         value
             Transmittance or reflectance: a number, one a patch if `basis` is given, or else values at equal steps of
-            sin²θ from 0 to 1.
+            sin²θ from 0 to 1, or of cosθ.
         basis
             Incident patches of the values.
         standard_error
             One a patch, for a measured beam.
+        by
+            What values at equal steps go by: `sine`, sin²θ from 0 along the normal to 1, or `cosine`, cosθ from 0 at
+            grazing incidence to 1, as suits glass.
 
         Raises
         ------
@@ -85,7 +93,8 @@ class Model(TreeOperations):
         if values.ndim == 0:
             return cls(_core.Model.specular(float(values)))
         if basis is None:
-            return cls(_core.Model.specular_angular(values))
+            make = _core.Model.specular_cosine if by == "cosine" else _core.Model.specular_angular
+            return cls(make(values))
         return cls(_core.Model.specular_patches(basis._core, values))
 
     @classmethod
@@ -104,7 +113,7 @@ class Model(TreeOperations):
 
     @property
     def kind(self) -> str:
-        """matrix, tensor tree, Lambertian, specular, beam, sum, turned, reversed or separated."""
+        """matrix, tensor tree, Lambertian, specular, beam, sum, turned, reversed, separated or filtered."""
         return self._core.kind
 
     def __repr__(self) -> str:
@@ -129,6 +138,40 @@ class Model(TreeOperations):
     def standard_errors(self) -> NDArray[np.float64] | None:
         """Standard errors [1/sr] of a matrix, if it has any."""
         return self._core.matrix_parts()[3]
+
+    def filtered(self, before: Model, after: Model) -> Model:
+        """The scattered light of this model, with incident and outgoing light weakened by beams.
+
+        Parameters
+        ----------
+        before, after
+            Specular models: what incident light is multiplied by, and what outgoing light is.
+
+        Notes
+        -----
+        a(vᵢ) f(vᵢ, vₒ) b(vₒ), at the model's own resolution; its peaks are not in it. Totals of a matrix are exact,
+        others are found with 4096 samples.
+        """
+        return Model(self._core.filtered(before._core, after._core))
+
+    def extrapolated(self, incident: ArrayLike, outgoing: ArrayLike) -> NDArray[np.bool_]:
+        """Whether values of an interpolant lie beyond what was measured.
+
+        Parameters
+        ----------
+        incident, outgoing
+            Unit vectors toward the source and along the light (n, 3) each.
+
+        Raises
+        ------
+        ClerestoryError
+            The model is no interpolant.
+        """
+        rows = [np.ascontiguousarray(np.atleast_2d(a), dtype=np.float64) for a in (incident, outgoing)]
+        found = self._core.extrapolated(*rows)
+        if found is None:
+            raise ClerestoryError(f"a {self.kind} model does not know what was measured (only an interpolant does)")
+        return np.array(found, dtype=np.bool_)
 
     def scaled(self, factor: float) -> Model:
         """All values multiplied by a factor of 0 or more."""

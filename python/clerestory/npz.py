@@ -17,6 +17,7 @@ import zlib
 from dataclasses import astuple
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -82,9 +83,15 @@ def load(path: str | os.PathLike[str]) -> Bsdf:
         raise _core.FileFormatError(f"{path}: {error}") from error
 
 
+_MARKS: WeakKeyDictionary[Operations, str] = WeakKeyDictionary()
+"""Of the data sets that are alive: they do not change, and a large one takes seconds to encode."""
+
+
 def mark(bsdf: Operations) -> str:
     """SHA-256 of all that a data set holds, as hexadecimal digits."""
-    return hashlib.sha256(encode(bsdf)).hexdigest()
+    if bsdf not in _MARKS:
+        _MARKS[bsdf] = hashlib.sha256(encode(bsdf)).hexdigest()
+    return _MARKS[bsdf]
 
 
 def encode(bsdf: Operations) -> bytes:

@@ -5,6 +5,7 @@ import pytest
 
 from clerestory import Basis, Bsdf, ClerestoryError, MissingDataError, Model
 from clerestory.directions import direction
+from clerestory.integrals import hemispherical
 from clerestory.system import pane, pane_from_normal, stack
 
 BASIS = Basis.named("klems-half")
@@ -156,12 +157,23 @@ def test_what_is_wrong_names_the_layer():
     dark = {key: values for key, values in whole.items() if key != ("interior", "reflection")}
     with pytest.raises(MissingDataError, match=r"layer 2.*reflection.*interior"):
         stack([bsdf(whole), bsdf(dark)], BASIS)
-    with pytest.raises(ClerestoryError, match=r"layer 1.*Klems Half.*Klems Full"):
-        stack([bsdf(whole)], "klems-full")
     with pytest.raises(ClerestoryError, match="at least one layer"):
         stack([])
     with pytest.raises(ClerestoryError, match="centre or mean"):
         stack([bsdf(whole)], BASIS, specular="middle")  # type: ignore[arg-type]
+
+
+def test_layers_on_other_patches_are_converted_and_say_so():
+    finer = stack([bsdf(shade(6)), bsdf(shade(7))], "klems-full")
+    assert len(finer.warnings) == 8
+    assert "layer 2, band 'visible': reflection for light from the interior converted from" in finer.warnings[-1]
+    plain = stack([bsdf(shade(6)), bsdf(shade(7))], BASIS)
+    found, expected = (hemispherical(s.bsdf, "transmission").value for s in (finer, plain))
+    # Steps in a random table fall into the middle of finer patches.
+    assert found == pytest.approx(expected, rel=0.02)
+    diffuse = {key: np.full((len(BASIS), len(BASIS)), 0.3 / np.pi) for key in COMPONENTS}
+    even = stack([bsdf(diffuse), bsdf(diffuse)], "klems-full").bsdf.integrate(direction(40, 10), "transmission")
+    assert even == pytest.approx(0.09 / (1 - 0.09), abs=1e-9)
 
 
 def test_a_missing_transmission_side_is_answered_by_reciprocity():

@@ -9,6 +9,7 @@ mod compare;
 mod convert;
 mod errors;
 mod glare;
+mod interpolant;
 mod jobs;
 mod model;
 mod npz;
@@ -18,6 +19,7 @@ mod room_matrix;
 mod room_scene;
 mod sky;
 mod system;
+mod table;
 mod trace;
 mod trace_material;
 mod trace_measure;
@@ -41,6 +43,8 @@ mod _core {
     #[pymodule_export]
     use crate::glare::{PyLens, glare_preset, rate_glare, rate_glare_hours};
     #[pymodule_export]
+    use crate::interpolant::PyDistributions;
+    #[pymodule_export]
     use crate::model::PyModel;
     #[pymodule_export]
     use crate::picture::{PyPicture, PyView};
@@ -54,6 +58,8 @@ mod _core {
     use crate::sky::{PySky, PySkyPatches, cie_names, gensky_factor, sun_by_radiance};
     #[pymodule_export]
     use crate::system::PySystem;
+    #[pymodule_export]
+    use crate::table::{gunzip, read_table, write_table};
     #[pymodule_export]
     use crate::trace::{PyGeometry, PySample};
     #[pymodule_export]

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use clerestory::bsdf::{Beam, Cells, Lambertian, Matrix, Model, Specular, Sum};
+use clerestory::bsdf::{Beam, Cells, Filtered, Lambertian, Matrix, Model, Specular, Sum};
 use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -79,6 +79,14 @@ impl PyModel {
             .map_err(raise)
     }
 
+    /// Values at equal steps of cosθ from 0 to 1.
+    #[staticmethod]
+    fn specular_cosine(values: PyReadonlyArray1<'_, f64>) -> PyResult<Self> {
+        Specular::cosine(values.as_array().to_vec())
+            .map(|s| Self::of(Model::Specular(s)))
+            .map_err(raise)
+    }
+
     /// One value a patch.
     #[staticmethod]
     fn specular_patches(basis: &PyBasis, values: PyReadonlyArray1<'_, f64>) -> PyResult<Self> {
@@ -100,6 +108,13 @@ impl PyModel {
     fn sum(parts: Vec<(f64, Bound<'_, PyModel>)>) -> PyResult<Self> {
         let parts = parts.into_iter().map(|(w, m)| (w, m.get().0.clone())).collect();
         Sum::new(parts).map(|s| Self::of(Model::Sum(s))).map_err(raise)
+    }
+
+    /// Scattered light with beams before and behind it.
+    fn filtered(&self, before: &Self, after: &Self) -> PyResult<Self> {
+        Filtered::new(self.0.clone(), before.0.clone(), after.0.clone())
+            .map(|f| Self::of(Model::Filtered(f)))
+            .map_err(raise)
     }
 
     #[getter]

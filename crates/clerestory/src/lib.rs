@@ -25,6 +25,7 @@ pub mod picture;
 pub mod progress;
 pub mod room;
 pub mod sequence;
+mod simplex;
 pub mod sky;
 pub mod system;
 pub mod trace;

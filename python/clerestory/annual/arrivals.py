@@ -120,6 +120,10 @@ class Arrivals:
         facade = None if self._facade is None else self._facade.key
         return {"sky": digest(*series, where, choices), "daylight": self.samples, "facade": facade}
 
+    def chunks(self, size: int) -> list[slice]:
+        """All steps, so many at a time."""
+        return [slice(first, min(first + size, len(self))) for first in range(0, len(self), size)]
+
     def at(self, steps: slice) -> Light:
         """The light of those of some steps that have a sky."""
         key = (steps.start, steps.stop)

@@ -107,8 +107,10 @@ class CellLight:
     """(cells, steps) radiance by sky and ground."""
     sun: Floats
     """(cells, steps) radiance by the sun, without its disc."""
+    beams: Doubles
+    """(groups, steps) on a plane that faces the sun, of what goes straight through windows."""
     straight: Doubles
-    """(points, steps) on a plane that faces the sun, of the sun that is seen through windows."""
+    """(points, steps) of that, what is seen through windows."""
 
 
 class SeenCells:
@@ -162,10 +164,12 @@ class SeenWindows:
 
     def light(self, light: Light) -> CellLight:
         """What the cells and the sun send at some steps."""
+        beams = self.through.beams(light.suns, light.irradiance)
         return CellLight(
             self.sky.radiance(light.diffuse, light.sky),
             self.through.radiance(self.cells.outgoing, light.suns, light.irradiance),
-            self.through.through(self.cells.points, light.suns, light.irradiance),
+            beams,
+            self.through.through(self.cells.points, light.suns, light.irradiance, beams),
         )
 
     def irradiance_of_sun(self, light: Light, cells: CellLight) -> Doubles:

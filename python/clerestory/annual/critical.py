@@ -129,7 +129,8 @@ def _sun_seen(study: Study, arrivals: Arrivals, name: str, point: Doubles) -> Do
         if choice.data_set == name:
             through = SunThrough(study.matrices, tuple(choice.systems))
             shines = suns.irradiance if choice.when is None else np.where(choice.when, suns.irradiance, 0.0)
-            straight += through.through(point.reshape(1, 3), suns.directions, shines)[0]
+            beams = through.beams(suns.directions, shines)
+            straight += through.through(point.reshape(1, 3), suns.directions, shines, beams)[0]
     return EFFICACY * straight / SOLAR_SOLID_ANGLE
 
 

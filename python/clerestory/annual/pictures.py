@@ -146,31 +146,29 @@ class SystemPictures:
     def _radiance(self, light: Light) -> Floats:
         """Of pixels (pixels, steps)."""
         year = self._year
+        beams = self._through.beams(light.suns, light.irradiance)
         surfaces = year._surfaces.all @ (self._whole @ light.arrives)
         # What comes from the sun's patch of the sky, and without another surface, is found again for the sun itself.
         scattered = self._mean @ self._through.radiance(self._cells, light.suns, light.irradiance)
         surfaces += year._surfaces.direct @ (scattered - self._once @ light.directly)
         if self._beams.any():
-            surfaces[year._on_surfaces] += year._share[:, None] * self._sunlit(light)
+            directions = year._directions[year._on_surfaces]
+            sunlit = self._through.on_surfaces(year._eye, directions, light.suns, beams)
+            surfaces[year._on_surfaces] += year._share[:, None] * sunlit
         windows = self._sky.radiance(light.diffuse, light.sky) + self._returns @ light.arrives
         windows += self._through.radiance(year._outgoing, light.suns, light.irradiance)
         pixels: Floats = np.maximum(surfaces, 0.0) + (year._windows @ windows).astype(np.float32)
-        self._add_suns(pixels, light)
+        self._add_suns(pixels, light, beams)
         return pixels
 
-    def _sunlit(self, light: Light) -> Floats:
-        """Radiance (pixels with surfaces, steps) of what the sun lights through beams."""
-        directions = self._year._directions[self._year._on_surfaces]
-        return self._through.on_surfaces(self._year._eye, directions, light.suns, light.irradiance)
-
-    def _add_suns(self, pixels: Floats, light: Light) -> None:
+    def _add_suns(self, pixels: Floats, light: Light, beams: Doubles) -> None:
         """The sun's disc where it is seen straight: its light in as many whole pixels as have its size.
 
         A disc that is smeared over the pixels that it touches would lose a part of its glare, which goes with the
         square of the luminance.
         """
         year = self._year
-        straight = self._through.through(year._eye[None], light.suns, light.irradiance)[0]
+        straight = self._through.through(year._eye[None], light.suns, light.irradiance, beams)[0]
         for step in np.flatnonzero(straight > 0.0):
             if np.isnan(year.view.locate(light.suns[step])).any():
                 continue

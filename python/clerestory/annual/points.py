@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from clerestory.annual.arrivals import Light
-    from clerestory.annual.cells import CellLight, SeenWindows
+    from clerestory.annual.cells import SeenWindows
     from clerestory.annual.matrices import Matrix
 
     Doubles = NDArray[np.float64]
@@ -37,20 +37,18 @@ class Lit:
         self._direct = view.direct @ once
         self._seen = seen
 
-    def irradiance(self, light: Light, cells: CellLight | None) -> tuple[Doubles, Doubles]:
-        """(points, steps) of all light, and of the sun's that has met nothing in the room.
-
-        `cells` is what the cells send that the points see, if they are seen by cells.
-        """
-        found = (self._all @ light.arrives).astype(np.float64)
-        if self._seen is None or cells is None:
-            return found, (self._direct @ light.directly).astype(np.float64)
-        by_sun = self._seen.irradiance_of_sun(light, cells)
-        return found - self._direct @ light.arrives + self._seen.from_cells(cells.sky) + by_sun, by_sun
-
     def illuminance(self, light: Light) -> tuple[Floats, Floats]:
-        """The same as illuminance (steps, points) [lx]."""
-        cells = None if self._seen is None else self._seen.light(light)
-        both = (EFFICACY * np.maximum(e, 0.0).T.astype(np.float32) for e in self.irradiance(light, cells))
-        every, direct = both
-        return every, direct
+        """Of all light (steps, points) [lx], and of the sun's that has met nothing in the room."""
+        found = (self._all @ light.arrives).astype(np.float64)
+        if self._seen is None:
+            return _in_lux(found), _in_lux((self._direct @ light.directly).astype(np.float64))
+        cells = self._seen.light(light)
+        by_sun = self._seen.irradiance_of_sun(light, cells)
+        every = found - self._direct @ light.arrives + self._seen.from_cells(cells.sky) + by_sun
+        return _in_lux(every), _in_lux(by_sun)
+
+
+def _in_lux(irradiance: Doubles) -> Floats:
+    """(steps, points) of (points, steps)."""
+    lux: Floats = EFFICACY * np.maximum(irradiance, 0.0).T.astype(np.float32)
+    return lux

@@ -21,8 +21,7 @@ from clerestory.annual.outcome import Collected
 from clerestory.annual.pictures import YearPictures
 from clerestory.annual.year import RoomYear, Sampling
 from clerestory.picture import View
-from clerestory.room.world import load as load_room
-from clerestory.room.world import system_of
+from clerestory.room.world import load_beside, system_of
 from clerestory.trace.keys import Keys, Positive, RecipeError, wrong
 from clerestory.trace.recipe import read_toml
 from clerestory.weather import Hours, SkyYear, read_weather, synthetic_year
@@ -127,9 +126,7 @@ class Study:
     def __init__(self, recipe: Recipe, folder: Path, cache: Cache | None = None) -> None:
         self.recipe = recipe
         self.cache = cache or Cache()
-        given = Path(recipe.room)
-        within = folder / given
-        self.room: Room = load_room(within if given.suffix or within.exists() else recipe.room)
+        self.room: Room = load_beside(recipe.room, folder, "room")
         """The room."""
         self.weather: Weather = self._weather(folder)
         """The weather of its year."""

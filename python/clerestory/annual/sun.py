@@ -148,10 +148,16 @@ class SunThrough:
             )
         return found
 
-    def beams(self, group: int, suns: Doubles) -> Doubles:
-        """Transmittance (steps) of what goes straight through a group's windows from the sun's disc."""
-        points = [suns, *_discs(suns)]
-        return np.asarray(np.mean([self.passed(group, directions) for directions in points], axis=0))
+    def beams(self, suns: Doubles, irradiance: Doubles) -> Doubles:
+        """Irradiance (groups, steps) of a plane that faces the sun, of that which goes straight through windows."""
+        found = np.zeros((len(self.systems), len(suns)))
+        up = np.flatnonzero(irradiance > 0.0)
+        if len(up):
+            points = [suns[up], *_discs(suns[up])]
+            for group, passed in enumerate(found):
+                share = np.mean([self.passed(group, directions) for directions in points], axis=0)
+                passed[up] = share * irradiance[up]
+        return found
 
     def passed(self, group: int, directions: Doubles) -> Doubles:
         """Transmittance (n) of what goes straight through a group's windows from directions (n, 3) outside."""
@@ -161,27 +167,27 @@ class SunThrough:
         found[facing] = straight_through(self.systems[group], incident[facing], self.band)
         return found
 
-    def through(self, points: Doubles, suns: Doubles, irradiance: Doubles) -> Doubles:
-        """Irradiance (points, steps) of a plane that faces the sun, of that which is seen straight through windows."""
+    def through(self, points: Doubles, suns: Doubles, irradiance: Doubles, beams: Doubles) -> Doubles:
+        """Irradiance (points, steps) of a plane that faces the sun, of that which is seen straight through windows.
+
+        `beams` is what passes of it (see `beams`).
+        """
         up = np.flatnonzero(irradiance > 0.0)
         found = np.zeros((len(points), len(suns)))
         if not len(up):
             return found
         windows = self.matrices.outlooks(points, suns[up])
-        passed = np.stack([self.beams(group, suns[up]) for group in range(len(self.systems))])
-        step = np.arange(len(up))
-        share = np.where(windows >= 0, passed[np.maximum(windows, 0), step], np.where(windows == -2, 1.0, 0.0))
-        found[:, up] = share * irradiance[up]
+        free = np.where(windows == -2, irradiance[up], 0.0)
+        found[:, up] = np.where(windows >= 0, beams[np.maximum(windows, 0), up], free)
         return found
 
-    def on_surfaces(self, point: Doubles, directions: Doubles, suns: Doubles, irradiance: Doubles) -> Floats:
+    def on_surfaces(self, point: Doubles, directions: Doubles, suns: Doubles, beams: Doubles) -> Floats:
         """Radiance (directions, steps) of what an eye at a point (3) sees of what suns light through beams."""
         found = np.zeros((len(directions), len(suns)), dtype=np.float32)
-        passed = np.stack([self.beams(group, suns) for group in range(len(self.systems))]) * irradiance
-        up = np.flatnonzero(passed.max(axis=0) > 0.0)
+        up = np.flatnonzero(beams.max(axis=0) > 0.0)
         if len(up):
             groups, factors = self.matrices.sunlit(point, directions, suns[up])
-            found[:, up] = np.where(groups >= 0, factors * passed[:, up][groups, np.arange(len(up))], 0.0)
+            found[:, up] = np.where(groups >= 0, factors * beams[groups, up], 0.0)
         return found
 
 

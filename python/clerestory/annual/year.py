@@ -134,8 +134,7 @@ class RoomYear:
     @property
     def chunks(self) -> list[slice]:
         """Steps that are found together."""
-        size, count = self.sampling.chunk, len(self.arrivals)
-        return [slice(first, min(first + size, count)) for first in range(0, count, size)]
+        return self.arrivals.chunks(self.sampling.chunk)
 
     def of(
         self,
@@ -261,8 +260,7 @@ class RoomYear:
         }
 
     def _prepared(self, systems: Sequence[Bsdf]) -> tuple[Lit | Coefficients | None, _Eyes | _Pictured | None]:
-        transfers = [Transfer.of(bsdf, self.matrices.basis) for bsdf in systems]
-        once, whole = leaving(transfers), leaving(transfers, self._returned)
+        transfers, once, whole = self._transfers(systems)
         points = self._of_points(systems, once, whole) if len(self._points) else None
         if not self._lines:
             return points, None
@@ -303,8 +301,13 @@ class RoomYear:
 
     def coefficients(self, systems: Sequence[Bsdf]) -> Coefficients:
         """Daylight coefficients of the points with one choice of systems, one of each group."""
+        _, once, whole = self._transfers(systems)
+        return self._coefficients(systems, once, whole)
+
+    def _transfers(self, systems: Sequence[Bsdf]) -> tuple[list[Transfer], Floats, Floats]:
+        """Of each group, and what windows send without and with what the room returns to them."""
         transfers = [Transfer.of(bsdf, self.matrices.basis) for bsdf in systems]
-        return self._coefficients(systems, leaving(transfers), leaving(transfers, self._returned))
+        return transfers, leaving(transfers), leaving(transfers, self._returned)
 
     def _coefficients(self, systems: Sequence[Bsdf], once: Floats, whole: Floats) -> Coefficients:
         seen = SeenWindows(self._cells, systems, self.arrivals.sky.patches._core)
@@ -347,7 +350,7 @@ class _Eyes:
         dark = np.full(np.count_nonzero(chosen), np.nan)
         for k, (name, eye) in enumerate(self._eyes.items()):
             # What beams throw on surfaces is spread over patches, and found again for the sun itself.
-            in_sun = self._seen.through.on_surfaces(eye.point[0], eye.directions, light.suns, light.irradiance)
+            in_sun = self._seen.through.on_surfaces(eye.point[0], eye.directions, light.suns, cells.beams)
             surfaces = EFFICACY * np.maximum(eye.surfaces @ sent - eye.directly @ by_beams + in_sun, 0.0)
             of_windows = windows[np.searchsorted(self._seen.cells.numbers, eye.seen.number)]
             straight = EFFICACY * cells.straight[k]

@@ -42,8 +42,20 @@ _COMMANDS = (
 # Commands of a group, whose sentence is the docstring of its package. The file of a command that is named by a word of
 # Python's ends with an underscore.
 _GROUPS: dict[str, tuple[str, ...]] = {
-    "measure": (),
-    "system": (),
+    "measure": (
+        "plan",
+        "camera",
+        "import",
+        "list",
+        "show",
+        "plot",
+        "check",
+        "prepare",
+        "fit",
+        "calibrate",
+        "export",
+    ),
+    "system": ("build", "rate"),
 }
 
 app = typer.Typer(

@@ -195,11 +195,19 @@ CONDITIONS: dict[str, str] = {
     "detector": "kind and filter",
     "filter": "in the beam",
     "spot_mm": "diameter of the lit spot",
+    "period_mm": "of the sample's structure",
+    "sample_mm": "shorter side of the sample",
+    "position": "on the sample, where several were measured",
+    "attenuation": "factor by which light was weakened for this scan, by a filter or a lower gain",
+    "sphere_mm": "diameter of an integrating sphere",
+    "port_mm": "diameter of the port that the sample lies on",
     "source_cone_deg": "full angle of the beam",
     "detector_cone_deg": "full angle that the detector takes in",
     "wavelength_nm": "of the light",
     "hemispherical": "direct-hemispherical value that the file states for this scan",
-    "symmetry": "that the file states",
+    "symmetry": "that the file states, or that was found and used",
+    "made": "how points that were not measured came about: an image under a symmetry, or reversed paths",
+    "noise_dsf": "standard deviation of the noise of BSDF·cos θ [1/sr], one a channel",
 }
 """Keys of `Scan.conditions` that mean the same whatever file they came from."""
 

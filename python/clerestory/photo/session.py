@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
 from clerestory.trace.keys import Keys, NotNegative, Number, Positive, wrong
-
-if TYPE_CHECKING:
-    pass
 
 LIMIT_PERCENT = 25.0
 """A picture whose illuminance is further from the measured one is not to be used (Pierson et al. 2021)."""

@@ -79,7 +79,7 @@ def close_up(
     count = 2 * round(60.0 * half_width_deg / step_arcmin)
     offsets = (np.arange(count) + 0.5 - count // 2) * (step_arcmin / 60.0)
     right, up = axes_at(middle)
-    values = view.evaluate(_around(middle, right, up, offsets), quantity)
+    values = view.evaluate(around(middle, right, up, offsets), quantity)
     edge = offsets[-1] + 0.5 * step_arcmin / 60.0
 
     scales: list[style.Scale] = ["linear", "log"] if scale == "both" and ax is None else [_single(scale)]
@@ -91,8 +91,8 @@ def close_up(
     else:
         figure, panels = style.figure_of(ax), [ax]
         ax.set_title(view.title)
-    around = f"around {outgoing_in_words(middle)}, leaving to the {view.outgoing_side}, as seen from the room"
-    words = f"{around}\ncells of {step_arcmin:g}'{resolved(view)}"
+    place = f"around {outgoing_in_words(middle)}, leaving to the {view.outgoing_side}, as seen from the room"
+    words = f"{place}\ncells of {step_arcmin:g}'{resolved(view)}"
     handles: list[Artist] = []
     for panel, kind in zip(panels, scales, strict=True):
         norm = style.norm(values, kind, limits)
@@ -107,11 +107,11 @@ def close_up(
             norm=norm,
         )
         handles = []
-        at = _offset(view.through, middle, right, up)
+        at = offset(view.through, middle, right, up)
         if np.all(np.abs(at) <= edge):
             handles.append(style.cross(panel, at, view.through_words))
         for peak in peaks:
-            at = _offset(peak.outgoing, middle, right, up)
+            at = offset(peak.outgoing, middle, right, up)
             if np.all(np.abs(at) <= edge):
                 value = f"peak {style.figures(peak.value)}: {outgoing_in_words(peak.outgoing)}"
                 handles += panel.plot(*at, label=value, **peak_style(11.0))
@@ -165,7 +165,7 @@ def _centre(view: View, centre: ArrayLike | None, default: NDArray[np.float64]) 
     return middle / np.linalg.norm(middle)
 
 
-def _around(
+def around(
     middle: NDArray[np.float64],
     right: NDArray[np.float64],
     up: NDArray[np.float64],
@@ -182,7 +182,7 @@ def _around(
     return made
 
 
-def _offset(
+def offset(
     direction: NDArray[np.float64],
     middle: NDArray[np.float64],
     right: NDArray[np.float64],

@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from clerestory.bsdf import Bsdf
     from clerestory.directions import Scatter, Side
 
-_HEIGHT = 1.24
-"""Height of the box where the disk's radius is 1."""
-
 
 @style.styled
 def mountain(
@@ -69,14 +66,11 @@ def mountain(
     ax = ax or surface.add_axes(style.new_figure(7.0, 6.1 + 0.2 * (view.title.count("\n") + len(view.peaks()))))
     figure = style.figure_of(ax)
     ax.view_init(elev=32, azim=-68)
-    for t in (30, 60, 90):
-        circle = np.linspace(0.0, 2.0 * np.pi, 181)
-        r = np.sin(np.radians(t))
-        ax.plot(r * np.cos(circle), r * np.sin(circle), floor, color="#607880", linewidth=0.6, zorder=1)
+    surface.circles(ax, floor)
     faces = 0.25 * (values[:-1, :-1] + values[1:, :-1] + values[:-1, 1:] + values[1:, 1:])
     # Slopes are judged as they are drawn: the box is flatter than the values would have it.
     points = np.concatenate([directions[..., :2], heights[..., None]], axis=-1)
-    surface.draw(ax, points, faces, norm, zorder=2, height=(top - floor) / _HEIGHT)
+    surface.draw(ax, points, faces, norm, zorder=2, height=(top - floor) / surface.HEIGHT)
     x, y, _ = view.through
     handles = ax.plot(
         [x, x],
@@ -92,19 +86,7 @@ def mountain(
         x, y, _ = peak.outgoing
         words = f"peak {style.figures(peak.value)}: {outgoing_in_words(peak.outgoing)}"
         handles += ax.plot([x, x], [y, y], [floor, top], color="#d00000", linewidth=1.8, zorder=3, label=words)
-    for word, px, py in (("up", 0, 1.18), ("down", 0, -1.18), ("left", -1.18, 0), ("right", 1.18, 0)):
-        ax.text(px, py, floor, word, fontsize=8, ha="center", va="center", zorder=1)
-    ax.set(xlim=(-1, 1), ylim=(-1, 1), zlim=(floor, top), xticks=[], yticks=[])
-    if isinstance(norm, LogNorm):
-        decades = np.arange(np.ceil(floor - 1e-9), np.floor(top + 1e-9) + 1)
-        ax.set_zticks(decades, [f"$10^{{{d:.0f}}}$" for d in decades])
-    ax.set_zlabel(style.UNITS[quantity])
-    for axis in (ax.xaxis, ax.yaxis):
-        axis.line.set_visible(False)
-    for pane in (ax.xaxis, ax.yaxis, ax.zaxis):
-        pane.pane.set_visible(False)
-    ax.grid(visible=False)
-    ax.set_box_aspect((1, 1, 0.5 * _HEIGHT), zoom=1.1)
+    surface.dress(ax, norm, floor, top, style.UNITS[quantity])
     ax.set_title(view.title)
     bar = figure.colorbar(style.mappable(norm), ax=ax, shrink=0.6, pad=0.08, extend=style.extend(values, norm))
     bar.set_label(style.UNITS[quantity])

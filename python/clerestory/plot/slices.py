@@ -130,7 +130,8 @@ def plane_azimuth_deg(source: Light) -> float:
     return float(angles(-source.direction)[1])
 
 
-def _directions(alpha: NDArray[np.float64], azimuth_deg: float, side: Side) -> NDArray[np.float64]:
+def in_plane(alpha: NDArray[np.float64], azimuth_deg: float, side: Side) -> NDArray[np.float64]:
+    """Directions (..., 3) at angles from the normal [°] in the plane whose positive end has an azimuth [°]."""
     a, phi = np.radians(alpha), np.radians(azimuth_deg)
     z = np.cos(a) if side == "interior" else -np.cos(a)
     return np.stack([np.sin(a) * np.cos(phi), np.sin(a) * np.sin(phi), z], axis=-1)
@@ -153,7 +154,7 @@ def _curve(
     # The plane's ends lie in the surface, where sides meet: a hair above it they belong to the side that is drawn.
     safe = np.clip(alpha, -90.0 + 1e-6, 90.0 - 1e-6)
     # The plane of a sun above is a border between cells in many data sets: both sides of it count.
-    sides = [_directions(safe, azimuth + aside, view.outgoing_side) for aside in (-_ASIDE_DEG, _ASIDE_DEG)]
+    sides = [in_plane(safe, azimuth + aside, view.outgoing_side) for aside in (-_ASIDE_DEG, _ASIDE_DEG)]
     return view, 0.5 * (view.evaluate(sides[0], quantity) + view.evaluate(sides[1], quantity))
 
 
@@ -176,7 +177,7 @@ def _draw(
             panel.plot([], [], label=f"{name} (no data)", **look)
             continue
         for peak in view.peaks():
-            along = peak.outgoing @ _directions(np.array(90.0), azimuth, leaving)
+            along = peak.outgoing @ in_plane(np.array(90.0), azimuth, leaving)
             away = np.degrees(np.arcsin(np.clip(peak.outgoing @ _sideways(azimuth), -1.0, 1.0)))
             if abs(away) > _OFF_PLANE_DEG + 0.5 * peak.extent_deg:
                 continue
@@ -201,7 +202,7 @@ def _draw(
     through = source.theta_deg if azimuth_deg is None else None
     if through is not None:
         panel.axvline(through, color="#909090", linewidth=0.8, linestyle=(0, (2, 2)), zorder=0)
-    ends = [outgoing_in_words(_directions(np.array(a), azimuth, leaving)).split(",")[0] for a in (-45.0, 45.0)]
+    ends = [outgoing_in_words(in_plane(np.array(a), azimuth, leaving)).split(",")[0] for a in (-45.0, 45.0)]
     panel.set_xlim(-90.0, 90.0)
     ticks = ["-90\n" + ends[0], "-60", "-30", "0", "30", "60", "90\n" + ends[1]]
     panel.set_xticks(np.arange(-90, 91, 30), [t.replace("-", "−") for t in ticks])

@@ -530,3 +530,20 @@ def load(source: str | os.PathLike[str] | Mapping[str, Any] | Room) -> Room:
         return Room(Recipe.of(read_toml(path)), path.parent)
     except RecipeError as error:
         raise RecipeError(f"{source}: {error}") from None
+
+
+def load_beside(given: str, folder: Path, key: str) -> Room:
+    """A room that a study names under a key: a recipe relative to its folder, or one that comes with Clerestory.
+
+    Raises
+    ------
+    RecipeError
+        As in `load`, after the key; also where there is no such file.
+    """
+    within = folder / given
+    try:
+        return load(within if within.is_file() or "." in given else given)
+    except FileNotFoundError:
+        raise RecipeError(f"{key}: {within} does not exist (check it; it is relative to the study)") from None
+    except RecipeError as error:
+        raise RecipeError(f"{key}: {error}") from None

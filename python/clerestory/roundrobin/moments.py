@@ -15,7 +15,7 @@ import numpy as np
 
 from clerestory.annual.cache import digest
 from clerestory.room import Room
-from clerestory.room.world import load as load_room
+from clerestory.room.world import load_beside
 from clerestory.roundrobin.pieces import Piece
 from clerestory.sky import Place
 from clerestory.trace.keys import RecipeError
@@ -75,7 +75,7 @@ class Moments:
     def __init__(self, recipe: keys.Moments, folder: Path, seeds: list[int]) -> None:
         self.recipe = recipe
         self.seeds = seeds
-        self.base = room_of(recipe.room, folder, "moments")
+        self.base = load_beside(recipe.room, folder, "moments.room")
         place = self.base.recipe.place
         if place is None:
             raise RecipeError("moments.room: the room has no place, so its times have no sun (add [place])")
@@ -165,17 +165,6 @@ class Moments:
             "view": self.view.model_dump(),
             "seed": seed,
         }
-
-
-def room_of(given: str, folder: Path, key: str) -> Room:
-    """A room recipe relative to a study, or one that comes with Clerestory."""
-    within = folder / given
-    try:
-        return load_room(within if within.is_file() or "." in given else given)
-    except FileNotFoundError:
-        raise RecipeError(f"{key}.room: {within} does not exist (check it; it is relative to the study)") from None
-    except RecipeError as error:
-        raise RecipeError(f"{key}.room: {error}") from None
 
 
 def read(arrays: Arrays) -> Moment:

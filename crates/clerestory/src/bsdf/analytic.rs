@@ -68,6 +68,8 @@ pub enum Specular {
     /// By polar angle: values at equal steps of sin²θ from 0 to 1, linear between them. Poor for glass near grazing
     /// incidence, where its values go with cosθ: [`Specular::Pane`] is exact.
     Angular(Vec<f64>),
+    /// By polar angle: values at equal steps of cosθ from 0 (grazing) to 1 (the normal), linear between them, as suits glass.
+    Cosine(Vec<f64>),
     /// Clear uncoated pane.
     Pane(Slab, Scatter),
     /// By incident patch.
@@ -95,6 +97,16 @@ impl Specular {
         check(&values).map(|()| Self::Angular(values))
     }
 
+    /// Values at equal steps of cosθ from 0 to 1, two or more.
+    pub fn cosine(values: Vec<f64>) -> Result<Self> {
+        if values.len() < 2 {
+            return Err(Error::Argument(
+                "values by angle need at least two (at 90° and 0°)".into(),
+            ));
+        }
+        check(&values).map(|()| Self::Cosine(values))
+    }
+
     /// One value a patch.
     pub fn patches(basis: Arc<Basis>, values: Vec<f64>) -> Result<Self> {
         if values.len() != basis.len() {
@@ -112,16 +124,20 @@ impl Specular {
     pub fn value(&self, incident: Disk) -> f64 {
         match self {
             Self::Constant(value) => *value,
-            Self::Angular(values) => {
-                let x = incident.sin2_theta().min(1.0) * (values.len() - 1) as f64;
-                let k = (x as usize).min(values.len() - 2);
-                let t = x - k as f64;
-                values[k] * (1.0 - t) + values[k + 1] * t
-            }
+            Self::Angular(values) => between(values, incident.sin2_theta().min(1.0)),
+            Self::Cosine(values) => between(values, incident.cos_theta()),
             Self::Pane(slab, scatter) => slab.value(incident, *scatter),
             Self::Patches { basis, values } => values[basis.patch_of(incident)],
         }
     }
+}
+
+/// Between values at equal steps from 0 to 1.
+fn between(values: &[f64], at: f64) -> f64 {
+    let x = at * (values.len() - 1) as f64;
+    let k = (x as usize).min(values.len() - 2);
+    let t = x - k as f64;
+    values[k] * (1.0 - t) + values[k + 1] * t
 }
 
 fn check(values: &[f64]) -> Result<()> {

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::{
-    Beam, Estimate, Lambertian, Matrix, Part, Peak, Region, Reversed, Sample, Scatterer, Separated, Specular, Sum,
-    Tree, Turn, Turned,
+    Beam, Estimate, Filtered, Interpolant, Lambertian, Matrix, Part, Peak, Region, Reversed, Sample, Scatterer,
+    Separated, Specular, Sum, Tree, Turn, Turned,
 };
 use crate::direction::Disk;
 use crate::error::{Error, Result};
@@ -30,6 +30,10 @@ pub enum Model {
     Reversed(Reversed),
     /// With its through-beam as an explicit peak.
     Separated(Separated),
+    /// Between measured incident directions.
+    Interpolant(Interpolant),
+    /// Scattered light on its way through beams.
+    Filtered(Filtered),
 }
 
 macro_rules! each {
@@ -44,6 +48,8 @@ macro_rules! each {
             Model::Turned($model) => $body,
             Model::Reversed($model) => $body,
             Model::Separated($model) => $body,
+            Model::Interpolant($model) => $body,
+            Model::Filtered($model) => $body,
         }
     };
 }
@@ -99,6 +105,8 @@ impl Model {
             Self::Turned(_) => "turned",
             Self::Reversed(_) => "reversed",
             Self::Separated(_) => "separated",
+            Self::Interpolant(_) => "interpolant",
+            Self::Filtered(_) => "filtered",
         }
     }
 
@@ -117,11 +125,14 @@ impl Model {
             Self::Specular(Specular::Angular(v)) => {
                 Self::Specular(Specular::Angular(v.iter().map(|v| v * factor).collect()))
             }
+            Self::Specular(Specular::Cosine(v)) => {
+                Self::Specular(Specular::Cosine(v.iter().map(|v| v * factor).collect()))
+            }
             Self::Specular(Specular::Patches { basis, values }) => Self::Specular(Specular::Patches {
                 basis: basis.clone(),
                 values: values.iter().map(|v| v * factor).collect(),
             }),
-            Self::Specular(Specular::Pane(..)) | Self::Separated(_) => {
+            Self::Specular(Specular::Pane(..)) | Self::Separated(_) | Self::Interpolant(_) => {
                 Self::Sum(Sum::new(vec![(factor, Arc::new(self.clone()))])?)
             }
             Self::Beam(b) => Self::Beam(b.scaled(|_| factor)),
@@ -130,6 +141,7 @@ impl Model {
             )?),
             Self::Turned(t) => Self::Turned(Turned::new(Arc::new(t.base().scaled(factor)?), t.turn())),
             Self::Reversed(r) => Self::Reversed(Reversed::new(Arc::new(r.base().scaled(factor)?))),
+            Self::Filtered(f) => Self::Filtered(f.with_base(f.base().scaled(factor)?)?),
         })
     }
 
@@ -142,12 +154,15 @@ impl Model {
         let exact = match self {
             Self::Matrix(m) => turn_matrix(m, turn).map(Self::Matrix),
             Self::Tree(t) => t.turned(turn).map(Self::Tree),
-            Self::Lambertian(_) | Self::Specular(Specular::Constant(_) | Specular::Angular(_) | Specular::Pane(..)) => {
+            Self::Lambertian(_)
+            | Self::Specular(Specular::Constant(_) | Specular::Angular(_) | Specular::Cosine(_) | Specular::Pane(..)) => {
                 Some(self.clone())
             }
             Self::Beam(b) => b.turned(turn).map(Self::Beam),
             Self::Turned(t) => Some(t.base().turned(turn.after(t.turn()))),
             Self::Sum(s) => Some(Self::Sum(s.map(|m| m.turned(turn)))),
+            Self::Interpolant(i) => i.isotropic().then(|| self.clone()),
+            Self::Filtered(f) => f.try_map(|m| Ok(m.turned(turn))).ok().map(Self::Filtered),
             Self::Specular(Specular::Patches { .. }) | Self::Reversed(_) | Self::Separated(_) => None,
         };
         exact.unwrap_or_else(|| Self::Turned(Turned::new(Arc::new(self.clone()), turn)))
@@ -161,7 +176,8 @@ impl Model {
         match self {
             Self::Matrix(m) => m.reversed().map_or_else(view, Self::Matrix),
             Self::Tree(t) => t.reversed().map_or_else(view, Self::Tree),
-            Self::Lambertian(_) | Self::Specular(Specular::Constant(_) | Specular::Angular(_) | Specular::Pane(..)) => {
+            Self::Lambertian(_)
+            | Self::Specular(Specular::Constant(_) | Specular::Angular(_) | Specular::Cosine(_) | Specular::Pane(..)) => {
                 self.clone()
             }
             Self::Specular(Specular::Patches { basis, values }) => (0..basis.len())
@@ -183,6 +199,8 @@ impl Model {
             Self::Turned(t) => Self::Turned(Turned::new(Arc::new(t.base().reciprocal()), t.turn())),
             Self::Reversed(r) => (**r.base()).clone(),
             Self::Separated(s) => Self::Separated(s.reciprocal()),
+            Self::Interpolant(_) => view(),
+            Self::Filtered(f) => Self::Filtered(f.reciprocal()),
         }
     }
 }

@@ -126,7 +126,12 @@ fn scale(model: &Model, basis: &Arc<Basis>, factors: &[f64], part: Part) -> Resu
         Model::Separated(s) if part == Part::All => {
             Model::Separated(Separated::new(Arc::new(scale(s.base(), basis, factors, part)?))?)
         }
-        _ if even && !matches!(model, Model::Turned(_) | Model::Reversed(_) | Model::Separated(_)) => {
+        _ if even
+            && !matches!(
+                model,
+                Model::Turned(_) | Model::Reversed(_) | Model::Separated(_) | Model::Interpolant(_)
+            ) =>
+        {
             model.scaled(factors[0])?
         }
         Model::Matrix(m) if m.incident() == basis => Model::Matrix(m.scaled(|i| factors[i])),
@@ -150,7 +155,7 @@ fn scale(model: &Model, basis: &Arc<Basis>, factors: &[f64], part: Part) -> Resu
                 basis.name()
             )));
         }
-        Model::Turned(_) | Model::Reversed(_) | Model::Separated(_) => {
+        Model::Turned(_) | Model::Reversed(_) | Model::Separated(_) | Model::Filtered(_) | Model::Interpolant(_) => {
             return Err(Error::Unsupported(format!(
                 "a {} model cannot be scaled by incident patches (convert it to a matrix first)",
                 model.kind()

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use super::interpolant::{Method, Stored};
 use super::{
-    Beam, Cells, Component, Lambertian, Matrix, Model, Rank, Reversed, Separated, Slab, Specular, Sum, Tree, Turn,
-    Turned,
+    Beam, Cells, Component, Filtered, Interpolant, Lambertian, Matrix, Model, Rank, Reversed, Separated, Slab,
+    Specular, Sum, Tree, Turn, Turned,
 };
 use crate::basis::Basis;
 use crate::direction::Scatter;
@@ -36,12 +37,13 @@ pub struct Parts {
 
 impl Parts {
     /// Kinds of models.
-    pub const KINDS: [&'static str; 13] = [
+    pub const KINDS: [&'static str; 16] = [
         "matrix",
         "tree",
         "lambertian",
         "specular",
         "specular-angular",
+        "specular-cosine",
         "specular-patches",
         "pane",
         "beam",
@@ -50,6 +52,8 @@ impl Parts {
         "turned",
         "reversed",
         "separated",
+        "filtered",
+        "interpolant",
     ];
 
     fn of(kind: &str) -> Self {
@@ -69,6 +73,11 @@ impl Parts {
 
     fn floats(mut self, name: &str, values: &[f64]) -> Self {
         self.arrays.push((name.into(), Array::Floats(values.to_vec())));
+        self
+    }
+
+    fn entries(mut self, name: &str, values: Vec<u32>) -> Self {
+        self.arrays.push((name.into(), Array::Entries(values)));
         self
     }
 
@@ -108,6 +117,14 @@ impl Parts {
     fn floats_there(&self, name: &str) -> Result<Vec<f64>> {
         self.get_floats(name)?
             .ok_or_else(|| self.broken(&format!("the array {name:?} is missing")))
+    }
+
+    fn entries_there(&self, name: &str) -> Result<Vec<u32>> {
+        match self.arrays.iter().find(|(n, _)| n == name) {
+            Some((_, Array::Entries(v))) => Ok(v.clone()),
+            Some(_) => Err(self.broken(&format!("the array {name:?} is not one of 32-bit entries"))),
+            None => Err(self.broken(&format!("the array {name:?} is missing"))),
+        }
     }
 
     fn get_basis(&self, index: usize) -> Result<Arc<Basis>> {
@@ -176,6 +193,7 @@ impl Model {
             Self::Lambertian(l) => Parts::of("lambertian").number("value", l.value()),
             Self::Specular(Specular::Constant(value)) => Parts::of("specular").number("value", *value),
             Self::Specular(Specular::Angular(values)) => Parts::of("specular-angular").floats("values", values),
+            Self::Specular(Specular::Cosine(values)) => Parts::of("specular-cosine").floats("values", values),
             Self::Specular(Specular::Patches { basis, values }) => Parts::of("specular-patches")
                 .with_bases(&[basis])
                 .floats("values", values),
@@ -208,6 +226,20 @@ impl Model {
                 .with_models([t.base().clone()]),
             Self::Reversed(r) => Parts::of("reversed").with_models([r.base().clone()]),
             Self::Separated(s) => Parts::of("separated").with_models([s.base().clone()]),
+            Self::Interpolant(i) => {
+                let stored = i.stored();
+                Parts::of("interpolant")
+                    .number("method", f64::from(stored.method as u8))
+                    .number("isotropic", f64::from(u8::from(stored.isotropic)))
+                    .floats("distributions", &stored.distributions)
+                    .floats("lobes", &stored.lobes)
+                    .entries("covered", stored.covered)
+                    .entries("edges", stored.edges)
+                    .floats("fluxes", &stored.fluxes)
+            }
+            Self::Filtered(f) => {
+                Parts::of("filtered").with_models([f.base().clone(), f.before().clone(), f.after().clone()])
+            }
         }
     }
 
@@ -251,6 +283,7 @@ impl Model {
             "lambertian" => Self::Lambertian(Lambertian::new(parts.get_number("value")?)?),
             "specular" => Self::Specular(Specular::constant(parts.get_number("value")?)?),
             "specular-angular" => Self::Specular(Specular::angular(parts.floats_there("values")?)?),
+            "specular-cosine" => Self::Specular(Specular::cosine(parts.floats_there("values")?)?),
             "specular-patches" => {
                 Self::Specular(Specular::patches(parts.get_basis(0)?, parts.floats_there("values")?)?)
             }
@@ -293,6 +326,23 @@ impl Model {
             }
             "reversed" => Self::Reversed(Reversed::new(parts.one_model()?)),
             "separated" => Self::Separated(Separated::new(parts.one_model()?)?),
+            "interpolant" => {
+                let number = parts.get_number("method")?;
+                let method = Method::ALL.into_iter().find(|&m| number == f64::from(m as u8));
+                Self::Interpolant(Interpolant::from_stored(&Stored {
+                    method: method.ok_or_else(|| parts.broken(&format!("its method is {number}")))?,
+                    isotropic: parts.get_flag("isotropic")?,
+                    distributions: parts.floats_there("distributions")?,
+                    lobes: parts.floats_there("lobes")?,
+                    covered: parts.entries_there("covered")?,
+                    edges: parts.entries_there("edges")?,
+                    fluxes: parts.floats_there("fluxes")?,
+                })?)
+            }
+            "filtered" => match parts.models.as_slice() {
+                [base, before, after] => Self::Filtered(Filtered::new(base.clone(), before.clone(), after.clone())?),
+                other => return Err(parts.broken(&format!("it is made of {} models, not of three", other.len()))),
+            },
             other => {
                 return Err(Error::Argument(format!(
                     "{other:?} is not a kind of model (known: {})",
@@ -320,12 +370,14 @@ mod tests {
         let tree = Tree::constant(Rank::Isotropic, 0.25).unwrap();
         let shared = Arc::new(matrix.clone());
         let beam = Beam::new(Cells::Patches(basis.clone()), vec![0.25; 41]).unwrap();
+        let pass = Arc::new(Model::Specular(Specular::cosine(vec![0.0, 0.8, 0.9]).unwrap()));
         vec![
             matrix,
             Model::Tree(tree),
             Model::Lambertian(Lambertian::new(0.1).unwrap()),
             Model::Specular(Specular::constant(0.7).unwrap()),
             Model::Specular(Specular::angular(vec![0.9, 0.8, 0.0]).unwrap()),
+            Model::Specular(Specular::cosine(vec![0.0, 0.7, 0.9]).unwrap()),
             Model::Specular(Specular::patches(basis, (0..41).map(|k| uniform(3, k)).collect()).unwrap()),
             Model::Specular(Specular::Pane(Slab::new(1.52, 0.98).unwrap(), Scatter::Reflection)),
             Model::Beam(beam.clone().with_standard_errors(vec![0.1; 41]).unwrap()),
@@ -333,8 +385,29 @@ mod tests {
             Model::Sum(Sum::new(vec![(0.3, shared.clone()), (0.2, shared.clone())]).unwrap()),
             Model::Turned(Turned::new(shared.clone(), Turn::new(0.123_456_789, true))),
             Model::Reversed(Reversed::new(shared.clone())),
-            Model::Separated(Separated::new(shared).unwrap()),
+            Model::Separated(Separated::new(shared.clone()).unwrap()),
+            Model::Filtered(Filtered::new(shared, pass.clone(), pass).unwrap()),
+            interpolant(),
         ]
+    }
+
+    fn interpolant() -> Model {
+        use crate::bsdf::interpolant::{Method, Points, Symmetry, fit};
+        use crate::progress::Progress;
+        let measured = [0.2, 0.7].map(|theta| {
+            let outgoing: Vec<Disk> = (0..200)
+                .map(|k| Disk::uniform(crate::sequence::r2(k, [0.0; 2])))
+                .collect();
+            let values: Vec<f64> = outgoing.iter().map(|o| 0.1 + 0.2 * o.x.max(0.0)).collect();
+            let points = Points {
+                outgoing: &outgoing,
+                values: &values,
+                errors: &[1e-3; 200],
+            };
+            fit(Disk::from_angles(theta, 0.0), &points).unwrap()
+        });
+        let model = Interpolant::new(&measured, Symmetry::Isotropic, Method::Transport, &Progress::default());
+        Model::Interpolant(model.unwrap())
     }
 
     #[test]

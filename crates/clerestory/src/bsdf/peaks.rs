@@ -30,7 +30,10 @@ impl Model {
                 Self::Sum(Sum::new(parts.collect::<Result<_>>()?)?)
             }
             Self::Turned(t) => Self::Turned(Turned::new(Arc::new(t.base().with_separated_peaks()?), t.turn())),
-            Self::Lambertian(_) | Self::Specular(_) | Self::Beam(_) | Self::Separated(_) => self.clone(),
+            Self::Lambertian(_) | Self::Specular(_) | Self::Beam(_) | Self::Separated(_) | Self::Interpolant(_) => {
+                self.clone()
+            }
+            Self::Filtered(f) => Self::Filtered(f.with_base(f.base().with_separated_peaks()?)?),
         })
     }
 

@@ -71,10 +71,11 @@ fn reverse(model: &Model) -> Result<Model> {
 
 fn has_view(model: &Model) -> bool {
     match model {
-        Model::Reversed(_) => true,
+        Model::Reversed(_) | Model::Interpolant(_) => true,
         Model::Turned(t) => has_view(t.base()),
         Model::Sum(s) => s.parts().iter().any(|(_, m)| has_view(m)),
         Model::Separated(s) => has_view(s.base()),
+        Model::Filtered(f) => has_view(f.base()),
         Model::Matrix(_) | Model::Tree(_) | Model::Lambertian(_) | Model::Specular(_) | Model::Beam(_) => false,
     }
 }

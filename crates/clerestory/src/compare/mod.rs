@@ -6,7 +6,6 @@
 //! * Both for many models and incident directions: [`pairwise`].
 
 mod distribution;
-mod simplex;
 mod transport;
 
 use std::sync::Arc;

@@ -11,9 +11,9 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::LazyLock;
 
 use super::Distribution;
-use super::simplex::{MAX_COST, transport_cost};
 use crate::basis::{Basis, Ring};
 use crate::direction::{Direction, Side};
+use crate::simplex::{MAX_COST, transport_cost};
 
 /// Rings about the middle cell, which is as wide as they are.
 const RINGS: u32 = 12;

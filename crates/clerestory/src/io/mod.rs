@@ -10,6 +10,7 @@ mod polygon;
 pub mod radiance;
 pub mod room;
 pub mod stl;
+pub mod table;
 pub mod xml;
 
 /// A count and its noun: `1 value`, `3 values`.

@@ -30,6 +30,11 @@ impl<'a> Numbers<'a> {
         Self { text, at: 0 }
     }
 
+    /// Numbers of `text` behind its first `at` bytes.
+    pub fn from(text: &'a [u8], at: usize) -> Self {
+        Self { text, at }
+    }
+
     /// Where the next character to read stands (bytes from the start).
     pub fn position(&self) -> usize {
         self.at
@@ -260,7 +265,8 @@ fn any(text: &[u8], at: usize) -> Result<(f64, usize)> {
         return Ok(found);
     }
     let rest = &text[at..];
-    let length = rest.iter().position(|&c| ends_word(c)).unwrap_or(rest.len());
+    // The first belongs to the word in any case: a message about nothing would not help.
+    let length = 1 + rest[1..].iter().position(|&c| ends_word(c)).unwrap_or(rest.len() - 1);
     let word = &rest[..length];
     match std::str::from_utf8(word).ok().and_then(|w| w.parse::<f64>().ok()) {
         Some(value) if value.is_finite() => Ok((value, at + length)),
@@ -334,7 +340,7 @@ fn exponential(text: &[u8], at: &mut usize) -> Option<i32> {
 /// Whether a number cannot go on with this character.
 #[inline]
 fn ends_word(c: u8) -> bool {
-    matches!(c, b' ' | b'\t' | b'\r' | b'\n' | b',' | b'{' | b'}' | b'<')
+    matches!(c, b' ' | b'\t' | b'\r' | b'\n' | b',' | b';' | b'{' | b'}' | b'<')
 }
 
 /// Eight bytes that stand at `at`, the first in the lowest bits; zeros behind the end of the text.

@@ -65,7 +65,9 @@ pub fn on_basis(model: &Arc<Model>, basis: &Arc<Basis>, notes: &mut Vec<String>)
             }
             _ => converted(model, basis, notes),
         },
-        Model::Tree(_) | Model::Turned(_) | Model::Reversed(_) => converted(model, basis, notes),
+        Model::Tree(_) | Model::Turned(_) | Model::Reversed(_) | Model::Filtered(_) | Model::Interpolant(_) => {
+            converted(model, basis, notes)
+        }
     }
 }
 

@@ -95,13 +95,13 @@ class Preview:
         groups = range(len(self._parts))
         found = np.zeros((len(self._parts), len(self._through), len(self.points), light.steps))
         up = np.flatnonzero(light.irradiance > 0.0)
-        passed = [[through.beams(group, light.suns[up]) for through in self._through] for group in groups]
-        if not np.any(passed):
+        passed = np.array([through.beams(light.suns, light.irradiance) for through in self._through])
+        if not passed.any():
             return found
         seen = self._matrices.outlooks(self.points, light.suns[up])
         for group in groups:
-            for state, share in enumerate(passed[group]):
-                found[group, state][:, up] = np.where(seen == group, share * light.irradiance[up], 0.0)
+            for state, beams in enumerate(passed[:, group, up]):
+                found[group, state][:, up] = np.where(seen == group, beams, 0.0)
         return found
 
 

@@ -183,11 +183,10 @@ class Stage:
 
     def _light(self) -> Iterator[tuple[NDArray[np.int64], Light]]:
         """The steps that have light, some at a time."""
-        arrivals, size = self._arrivals(), self._sampling.chunk
+        arrivals = self._arrivals()
         is_lit = arrivals.sky.is_lit
-        for first in range(0, len(arrivals), size):
-            part = slice(first, min(first + size, len(arrivals)))
-            steps = first + np.flatnonzero(is_lit[part])
+        for part in arrivals.chunks(self._sampling.chunk):
+            steps = part.start + np.flatnonzero(is_lit[part])
             if len(steps):
                 yield steps, arrivals.at(part)
 

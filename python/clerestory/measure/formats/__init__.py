@@ -10,11 +10,40 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Protocol
 
+from clerestory._core import FileFormatError
+
 if TYPE_CHECKING:
     from clerestory.measure.contents import Contents
 
-FORMATS: tuple[str, ...] = ()
+FORMATS: tuple[str, ...] = (
+    "workbook",
+    "rgl",
+    "sir",
+    "ssdd",
+    "zemax",
+    "lighttools",
+    "integra",
+    "integra_specular",
+    "jdv",
+    "speos",
+    "fred",
+    "viavi",
+    "brf",
+    "product_json",
+    "igdb_dat",
+    "reflet",
+    "astm",
+    "mountain",
+    "iea21",
+    "reflectances",
+    "sphere_csv",
+    "table",
+)
 """Modules of this package, in the order in which they are asked."""
+
+
+class UnknownFormatError(FileFormatError):
+    """A file is no measurement that is read; in a folder of mixed files it is left out."""
 
 
 class Format(Protocol):

@@ -52,6 +52,10 @@ pub fn by_construction(model: &Model) -> bool {
         Model::Turned(t) => by_construction(t.base()),
         Model::Reversed(r) => by_construction(r.base()),
         Model::Separated(s) => by_construction(s.base()),
+        Model::Interpolant(i) => i.isotropic(),
+        Model::Filtered(f) => [f.base(), f.before(), f.after()]
+            .into_iter()
+            .all(|m| by_construction(m)),
         Model::Matrix(_) => false,
     }
 }

@@ -44,7 +44,13 @@ pub fn steps(model: &Model, incident: usize) -> usize {
         Model::Turned(t) => steps(t.base(), incident),
         Model::Matrix(_) | Model::Lambertian(_) | Model::Specular(Specular::Constant(_)) => 0,
         Model::Tree(t) if t.depth() <= leaves::MAX_DEPTH => 0,
-        Model::Tree(_) | Model::Specular(_) | Model::Beam(_) | Model::Reversed(_) | Model::Separated(_) => incident,
+        Model::Tree(_)
+        | Model::Specular(_)
+        | Model::Beam(_)
+        | Model::Reversed(_)
+        | Model::Separated(_)
+        | Model::Interpolant(_)
+        | Model::Filtered(_) => incident,
     }
 }
 
@@ -69,9 +75,13 @@ pub fn means(model: &Model, turn: Turn, incident: &Points, outgoing: &Points, pr
             leaves::means(tree, turn, &incident.basis, &outgoing.basis, progress).map(Means::exact)
         }
         Model::Beam(beam) if turn == Turn::NONE && on_patches(beam, incident, outgoing) => Ok(of_beam(beam, outgoing)),
-        Model::Tree(_) | Model::Specular(_) | Model::Beam(_) | Model::Reversed(_) | Model::Separated(_) => {
-            of_points(model, turn, incident, outgoing, progress)
-        }
+        Model::Tree(_)
+        | Model::Specular(_)
+        | Model::Beam(_)
+        | Model::Reversed(_)
+        | Model::Separated(_)
+        | Model::Interpolant(_)
+        | Model::Filtered(_) => of_points(model, turn, incident, outgoing, progress),
     }
 }
 

@@ -8,6 +8,7 @@ mod dataset;
 mod isotropy;
 mod kernel;
 mod leaves;
+mod lobes;
 mod matrix;
 mod overlap;
 mod points;

@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 use rayon::prelude::*;
 
 use super::isotropy::{anisotropy, by_construction};
+use super::lobes;
 use crate::bsdf::tree::Grid;
 use crate::bsdf::{Model, Part, Rank, Scatterer, Tree};
 use crate::direction::Disk;
@@ -72,7 +73,10 @@ pub fn to_tree(
         };
         model.evaluate(i, outgoing.turned(turn.0, turn.1)) + beam
     };
-    let mut tree = Tree::from_fn(rank, grid, &source, progress)?;
+    let mut tree = match model {
+        Model::Interpolant(i) if rank == Rank::Anisotropic || i.isotropic() => lobes::to_tree(i, rank, grid, progress)?,
+        _ => Tree::from_fn(rank, grid, &source, progress)?,
+    };
     if let Some(percent) = reduction {
         tree = tree.reduced_by_percent(percent)?.tree;
     }
@@ -106,7 +110,8 @@ fn has_beams(model: &Model) -> bool {
         Model::Specular(_) | Model::Beam(_) | Model::Separated(_) => true,
         Model::Sum(s) => s.parts().iter().any(|(_, m)| has_beams(m)),
         Model::Turned(t) => has_beams(t.base()),
-        Model::Matrix(_) | Model::Tree(_) | Model::Lambertian(_) | Model::Reversed(_) => false,
+        Model::Interpolant(i) => i.distributions().iter().any(|d| d.beam > 0.0),
+        Model::Matrix(_) | Model::Tree(_) | Model::Lambertian(_) | Model::Reversed(_) | Model::Filtered(_) => false,
     }
 }
 

@@ -18,10 +18,15 @@ const NONE: usize = usize::MAX;
 /// each source and each sink is in one pair at most. They only make it faster.
 pub fn transport_cost(supply: &[u64], demand: &[u64], costs: &[f64], pairs: &[(usize, usize)]) -> f64 {
     let mut basis = Basis::new(supply, demand, costs, pairs);
-    while let Some((source, sink)) = basis.entering() {
-        basis.pivot(source, sink);
-    }
+    basis.solve();
     basis.cost()
+}
+
+/// The flows (source, sink, mass) of that least total; those that are not listed are 0.
+pub fn transport_plan(supply: &[u64], demand: &[u64], costs: &[f64]) -> Vec<(usize, usize, u64)> {
+    let mut basis = Basis::new(supply, demand, costs, &[]);
+    basis.solve();
+    basis.flows().filter(|&(_, _, flow)| flow > 0).collect()
 }
 
 /// Least of a − b, in lanes that the processor can work on together.
@@ -138,6 +143,12 @@ impl<'a> Basis<'a> {
             }
         }
         basis
+    }
+
+    fn solve(&mut self) {
+        while let Some((source, sink)) = self.entering() {
+            self.pivot(source, sink);
+        }
     }
 
     fn root(&self) -> usize {
@@ -274,20 +285,23 @@ impl<'a> Basis<'a> {
         }
     }
 
-    /// Cost of all flow that does not pass the root.
-    fn cost(&self) -> f64 {
+    /// All flow that does not pass the root: source, sink, mass.
+    fn flows(&self) -> impl Iterator<Item = (usize, usize, u64)> + '_ {
         let root = self.root();
-        (0..root)
-            .filter(|&node| self.parent[node] != root)
-            .map(|node| {
-                let parent = self.parent[node];
-                let (source, sink) = if self.upward(node) {
-                    (node, parent)
-                } else {
-                    (parent, node)
-                };
-                self.flow[node] as f64 * self.arc_cost(source, sink)
-            })
+        (0..root).filter(move |&node| self.parent[node] != root).map(|node| {
+            let parent = self.parent[node];
+            let (source, sink) = if self.upward(node) {
+                (node, parent)
+            } else {
+                (parent, node)
+            };
+            (source, sink - self.sources, self.flow[node])
+        })
+    }
+
+    fn cost(&self) -> f64 {
+        self.flows()
+            .map(|(i, j, flow)| flow as f64 * self.costs[i * self.sinks + j])
             .sum()
     }
 }

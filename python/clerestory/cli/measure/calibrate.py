@@ -1,0 +1,222 @@
+"""`clerestory measure calibrate`: data sets and scans scaled to what an integrating sphere measured."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from clerestory.cli.common import (
+    JsonOption,
+    UsageError,
+    note,
+    one_of,
+    print_json,
+    read,
+    refuse_overwriting,
+    say,
+    table,
+)
+from clerestory.cli.measure.options import DatabaseOption, SampleOption
+
+if TYPE_CHECKING:
+    from clerestory.measure.calibrate import Agreement, Factor
+    from clerestory.measure.sphere import SphereValues
+
+_MODELS = (".xml", ".xml.gz", ".npz")
+_SCALINGS = ("all", "scattered", "peak", "both")
+_STANDARDS = ("en410", "iso9050", "nfrc300")
+
+
+def calibrate(
+    data: Annotated[
+        str,
+        typer.Argument(
+            metavar="DATA", help="BSDF file (.xml, .bsdf.npz); or files or a sample of scans.", show_default=False
+        ),
+    ],
+    *,
+    sphere: Annotated[
+        list[str],
+        typer.Option("--sphere", metavar="FILE|SAMPLE", help="Values of an integrating sphere.", show_default=False),
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="OUT", help="Where to write; without it, values are compared only."),
+    ] = None,
+    scaling: Annotated[
+        str, typer.Option("--scale", metavar="PART", help="all, scattered, peak, or both to their own values.")
+    ] = "all",
+    reciprocal: Annotated[
+        bool, typer.Option("--reciprocal", help="Keep reversed paths equal (matrices, all light).")
+    ] = False,
+    standard: Annotated[
+        str, typer.Option("--standard", metavar="NAME", help="Spectra that weigh: en410, iso9050 or nfrc300.")
+    ] = "en410",
+    picture: Annotated[
+        Path | None, typer.Option("--picture", metavar="OUT", help="Curves or maps: .png, .pdf or .svg.")
+    ] = None,
+    format_: Annotated[
+        str, typer.Option("--format", metavar="FORMAT", help="For scans: mountain, iea21, astm, zemax, csv, …")
+    ] = "mountain",
+    sample: SampleOption = None,
+    db: DatabaseOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Compare data with a sphere's direct-hemispherical values and scale them so that they agree.
+
+    The integral becomes the measured value at every measured angle, and factors are interpolated between them.
+
+    Example: clerestory measure calibrate film.xml --sphere film-sphere.csv --scale scattered -o calibrated.xml
+    """
+    part = one_of(scaling, "--scale", _SCALINGS)
+    weighed = one_of(standard, "--standard", _STANDARDS)
+    if picture is not None and picture.suffix not in (".png", ".pdf", ".svg"):
+        raise UsageError(f"--picture {picture}: not a kind of picture (give .png, .pdf or .svg)")
+    if output is not None:
+        refuse_overwriting(output, [Path(data), *map(Path, sphere)])
+    values = _sphere_values(sphere, sample, db)
+    if data.lower().endswith(_MODELS):
+        _model(Path(data), values, output, part, weighed, picture, reciprocal=reciprocal, as_json=as_json)
+        return
+    if reciprocal or part == "both":
+        raise UsageError(
+            f"{data}: scans are scaled by all, scattered or peak, without --reciprocal (fit a model first)"
+        )
+    _scans(data, values, output, part, weighed, picture, format_, sample, db, as_json=as_json)
+
+
+def _sphere_values(words: list[str], sample: str | None, db: str | None) -> list[SphereValues]:
+    from clerestory.measure.given import contents_given
+
+    found = contents_given(words, database=db)
+    for text in found.warnings:
+        note(f"warning: {text}")
+    samples = list(dict.fromkeys(v.sample for v in found.sphere_values))
+    if not samples:
+        raise UsageError(f"--sphere {' '.join(words)}: no values of a sphere in it")
+    if sample is not None and sample in samples:
+        return [v for v in found.sphere_values if v.sample == sample]
+    if len(samples) > 1:
+        raise UsageError(f"--sphere: values of several samples: {', '.join(samples)} (name one by --sample)")
+    return list(found.sphere_values)
+
+
+def _model(
+    path: Path,
+    values: list[SphereValues],
+    output: Path | None,
+    part: str,
+    standard: str,
+    picture: Path | None,
+    *,
+    reciprocal: bool,
+    as_json: bool,
+) -> None:
+    from clerestory.cli.common import about
+    from clerestory.measure.calibrate import calibrated, of_model
+
+    bsdf = read(path)
+    with about(path):
+        if output is None:
+            _tell(of_model(bsdf, values, standard=standard), None, (), (), picture, [], as_json=as_json)
+            return
+        if not str(output).lower().endswith(_MODELS):
+            raise UsageError(f"{output}: not a kind of data set (give .xml, .xml.gz or .bsdf.npz)")
+        done = calibrated(bsdf, values, scaling=part, reciprocal=reciprocal, standard=standard)  # type: ignore[arg-type]
+    lost = done.bsdf.write(output)
+    warnings = (*done.warnings, *lost)
+    _tell(done.before, done.after, done.factors, warnings, picture, [output], as_json=as_json)
+
+
+def _scans(
+    data: str,
+    values: list[SphereValues],
+    output: Path | None,
+    part: str,
+    standard: str,
+    picture: Path | None,
+    format_: str,
+    sample: str | None,
+    db: str | None,
+    *,
+    as_json: bool,
+) -> None:
+    from dataclasses import replace
+
+    from clerestory.measure.calibrate import calibrated_scans, of_scans
+    from clerestory.measure.files import writable_formats, write
+    from clerestory.measure.given import measurement_given
+
+    form = one_of(format_, "--format", tuple(writable_formats()))
+    measurement = measurement_given([data], sample=sample, database=db)
+    other = {v.sample for v in values} - {measurement.sample, ""}
+    if other:
+        note(f"warning: scans of {measurement.sample!r} beside a sphere's values of {', '.join(sorted(other))!r}")
+    if output is None:
+        _tell(of_scans(measurement, values, standard=standard), None, (), (), picture, [], as_json=as_json)
+        return
+    done = calibrated_scans(measurement, values, scaling=part, standard=standard)  # type: ignore[arg-type]
+    written = write(replace(done.measurement, scans=done.measurement.of()), output, form)
+    warnings = (*done.step.warnings, *written.notes)
+    _tell(done.before, done.after, (), warnings, picture, list(written.paths), as_json=as_json)
+
+
+def _tell(
+    before: Agreement,
+    after: Agreement | None,
+    factors: tuple[Factor, ...],
+    warnings: tuple[str, ...],
+    picture: Path | None,
+    written: list[Path],
+    *,
+    as_json: bool,
+) -> None:
+    warnings = tuple(dict.fromkeys([*before.warnings, *warnings]))
+    if picture is not None:
+        from clerestory.measure.calibrate.picture import picture as draw
+        from clerestory.plot.style import save
+
+        save(draw(before, after), picture)
+        written = [*written, picture]
+    if as_json:
+        print_json(
+            {
+                "before": _rows(before),
+                "after": None if after is None else _rows(after),
+                "factors": factors,
+                "warnings": warnings,
+                "written": written,
+            }
+        )
+        return
+    later = {row.where: row.modelled for row in after.rows} if after is not None else {}
+    rows = [
+        [
+            row.where,
+            f"{row.measured:.4f}",
+            f"{row.modelled:.4f}",
+            f"{row.difference:+.4f}",
+            f"{row.ratio:.3f}",
+            *([f"{later[row.where]:.4f}"] if later else []),
+        ]
+        for row in before.rows
+    ]
+    say(table(["direct-hemispherical", "sphere", "data", "difference", "factor", *(["now"] if later else [])], rows))
+    say(
+        f"RMS difference {100.0 * before.rms:.2g} %" + (f", now {100.0 * after.rms:.2g} %" if after is not None else "")
+    )
+    for text in warnings:
+        note(f"warning: {text}")
+    folders = {path.parent for path in written if path != picture}
+    if len(written) > 3 and len(folders) == 1:
+        note(f"wrote {len(written) - (picture in written)} files to {next(iter(folders))}")
+        written = [path for path in written if path == picture]
+    for path in written:
+        note(f"wrote {path}")
+
+
+def _rows(agreement: Agreement) -> list[dict[str, object]]:
+    """Values side by side as JSON shows them."""
+    return [{**vars(row), "difference": row.difference, "ratio": row.ratio} for row in agreement.rows]

@@ -1,0 +1,69 @@
+"""`clerestory measure check`: what is wrong or odd in measurements, in words."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from clerestory.cli.common import JsonOption, print_json, say
+from clerestory.cli.measure.options import (
+    ColumnOption,
+    ConventionOption,
+    DatabaseOption,
+    FileScatterOption,
+    FileSideOption,
+    choices_of,
+)
+
+
+def check(
+    words: Annotated[
+        list[str],
+        typer.Argument(metavar="FILE|SAMPLE…", help="Files, folders, samples of the database.", show_default=False),
+    ],
+    *,
+    db: DatabaseOption = None,
+    side: FileSideOption = None,
+    scatter: FileScatterOption = None,
+    convention: ConventionOption = None,
+    column: ColumnOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Check measurements: mistakes of angles and of light, drift, symmetry, and a sphere beside the goniophotometer.
+
+    Files that are named together are taken together: scans of one sample, its beam and its sphere values. The exit code
+    is 1 if a sample has errors, 0 otherwise.
+
+    Example: clerestory measure check twill/ sphere.csv
+    """
+    from clerestory.counts import counted
+    from clerestory.finding import SEVERITIES
+    from clerestory.measure.check import check_contents
+    from clerestory.measure.given import contents_given
+
+    contents = contents_given(words, database=db, **choices_of(side, scatter, convention, column))
+    results = check_contents(contents)
+    held = {m.sample: m for m in contents.measurements}
+    if as_json:
+        print_json(
+            {
+                "samples": [
+                    {"sample": name, "scans": len(held.get(name, ())), "findings": findings}
+                    for name, findings in results.items()
+                ],
+                "warnings": contents.warnings,
+            }
+        )
+    else:
+        for text in contents.warnings:
+            say(f"warning: {text}")
+        for name, findings in results.items():
+            counts = {severity: sum(f.severity == severity for f in findings) for severity in SEVERITIES}
+            told = ", ".join(counted(count, severity) for severity, count in counts.items() if count)
+            scans = counted(len(held[name]), "scan") if name in held else "values of a sphere"
+            say(f"{name} ({scans}): {told or 'nothing found'}")
+            for finding in findings:
+                say(f"  {finding}")
+    if any(finding.severity == "error" for findings in results.values() for finding in findings):
+        raise typer.Exit(1)

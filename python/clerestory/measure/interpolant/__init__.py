@@ -1,0 +1,6 @@
+"""Models of measurements: from scattered points to a BSDF of every pair of directions."""
+
+from clerestory.measure.interpolant.fitted import Component, Fit, HeldOut
+from clerestory.measure.interpolant.fitting import METHODS, Method, fit
+
+__all__ = ["METHODS", "Component", "Fit", "HeldOut", "Method", "fit"]
