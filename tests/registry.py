@@ -358,9 +358,9 @@ def _cases() -> list[Case]:
         Case("tree seen through beams", lambda: transmission(tree_model(4, 3).filtered(_PASS, _PASS)).rotated(12.0)),
         Case(
             "window at its layers' own resolution",
-            lambda: Window(
-                [Layer("pane", pane=glass("clear", 0.006)), Layer("shade", bsdf=_SHADE)]
-            ).sharpened(basis=small),
+            lambda: Window([Layer("pane", pane=glass("clear", 0.006)), Layer("shade", bsdf=_SHADE)]).sharpened(
+                basis=small
+            ),
         ),
         Case("isotropic interpolant", lambda: transmission(interpolant("isotropic", "transport"))),
         Case("anisotropic interpolant", lambda: transmission(interpolant("none", "transport"))),

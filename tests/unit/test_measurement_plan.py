@@ -92,12 +92,14 @@ def test_angles_are_every_10_degrees_with_8_and_every_degree_near_a_cut_off():
     [
         ("square", "quadrilateral", [0, 45, 90]),
         ("rectangular", "quadrilateral", [0, 45, 90, 135]),
-        ("square", "rotational-2", [0, 45, 90, 135]),
-        ("square", "bilateral", [-90, -45, 0, 45, 90]),
+        ("square", "rotational", [0, 45, 90, 135]),
+        ("square", "left-right", [-90, -45, 0, 45, 90]),
         ("square", "unknown", [0, 45, 90, 135, 180, 225, 270, 315]),
         ("none", "quadrilateral", [0, 15, 30, 45, 60, 75, 90]),
-        ("none", "bilateral", list(range(-90, 91, 15))),
-        ("none", "rotational-2", list(range(0, 180, 15))),
+        ("none", "left-right", list(range(-90, 91, 15))),
+        ("square", "up-down", [0, 45, 90, 135, 180]),
+        ("none", "up-down", list(range(0, 181, 15))),
+        ("none", "rotational", list(range(0, 180, 15))),
         ("none", "none", list(range(0, 360, 15))),
         ("none", "unknown", list(range(0, 360, 15))),
         ("none", "isotropic", [90]),
@@ -115,7 +117,7 @@ def test_isotropic_and_anisotropic_counts():
 
 
 @pytest.mark.parametrize("name", ["klems-full", "klems-half", "klems-quarter", "tregenza"])
-@pytest.mark.parametrize("symmetry", ["quadrilateral", "bilateral", "rotational-2", "none", "unknown"])
+@pytest.mark.parametrize("symmetry", ["quadrilateral", "left-right", "up-down", "rotational", "none", "unknown"])
 @pytest.mark.parametrize("side", ["exterior", "interior"])
 def test_subsets_reach_every_patch_when_symmetry_completes_them(name, symmetry, side):
     basis = Basis.named(name)
@@ -143,7 +145,7 @@ def test_145_directions_of_a_camera_take_12_hours_and_symmetry_shortens_them():
     assert len(whole.incident) == 145
     assert whole.hours == pytest.approx(12.0, abs=0.1)
     assert plan("image-ibp", directions="tregenza", width_mm=400, height_mm=400).hours == pytest.approx(3.0, abs=0.05)
-    half = plan("image-epfl", directions="tregenza", width_mm=400, height_mm=400, symmetry="bilateral")
+    half = plan("image-epfl", directions="tregenza", width_mm=400, height_mm=400, symmetry="left-right")
     assert half.hours < 0.65 * whole.hours
     assert whole.paths == ()
 
@@ -214,7 +216,7 @@ def run(capsys, *words):
 def test_a_plan_becomes_files(tmp_path, capsys):
     (tmp_path / "twill.toml").write_text(
         'purpose = "glare"\ninstrument = "mine.toml"\n[sample]\nwidth_mm = 210\nheight_mm = 297\n'
-        'period_mm = 0.6\nweave = "square"\nsymmetry = "rotational-2"\n'
+        'period_mm = 0.6\nweave = "square"\nsymmetry = "rotational"\n'
     )
     mine = (
         (INSTRUMENTS.folder / "pg2.toml")

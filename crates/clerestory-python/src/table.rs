@@ -63,14 +63,16 @@ pub fn write_table<'py>(
 
 /// What gzip data unpack to.
 #[pyfunction]
-pub fn gunzip<'py>(py: Python<'py>, data: PyBackedBytes) -> PyResult<Bound<'py, PyBytes>> {
-    let zeros = |head: &[u8]| match head.iter().any(|&c| c != 0) {
-        true => Ok(()),
-        false => Err(Error::format(
+pub fn gunzip(py: Python<'_>, data: PyBackedBytes) -> PyResult<Bound<'_, PyBytes>> {
+    let zeros = |head: &[u8]| {
+        if head.iter().any(|&c| c != 0) {
+            return Ok(());
+        }
+        Err(Error::format(
             "gzip",
             "the file unpacks to nothing but zeros",
             "get the file again",
-        )),
+        ))
     };
     let bytes = py.detach(|| gzip::inflate(&data, zeros)).map_err(raise)?;
     Ok(PyBytes::new(py, &bytes))

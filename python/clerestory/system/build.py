@@ -153,7 +153,7 @@ def _layer(
 
 def _thermal(keys: GlassKeys | FileKeys | RecipeKeys, known: Thermal) -> Thermal:
     """What the specification says goes before what the file says."""
-    given: dict[str, float] = {
+    given: dict[str, Any] = {
         key: value
         for key in ("emissivity_exterior", "emissivity_interior", "tir", "conductivity", "openness")
         if (value := getattr(keys, key)) is not None
@@ -164,7 +164,8 @@ def _thermal(keys: GlassKeys | FileKeys | RecipeKeys, known: Thermal) -> Thermal
     edges = keys.edges_mm
     if edges is None:
         return found
-    return replace(found, edges_m=tuple(mm / 1000.0 for mm in (edges.top, edges.bottom, edges.left, edges.right)))
+    top, bottom, left, right = (mm / 1000.0 for mm in (edges.top, edges.bottom, edges.left, edges.right))
+    return replace(found, edges_m=(top, bottom, left, right))
 
 
 def _glass(keys: GlassKeys, folder: Path, sources: list[Path]) -> Layer:

@@ -85,7 +85,7 @@ def heat(
     """
     if "solar" not in built.absorbed:
         raise MissingDataError(f"the window has no band solar (it has {', '.join(built.absorbed)})")
-    climates = [_climate(given) for given in (winter, summer)]
+    cold, hot = _climate(winter), _climate(summer)
     assumed: list[str] = []
     layers = [_thermal(layer, number, assumed) for number, layer in enumerate(window.layers, 1)]
     if len(layers) > 1 and not window.gaps:
@@ -94,8 +94,8 @@ def heat(
     size = {"height_m": height_m, "width_m": width_m, "tilt_deg": tilt_deg}
     incident = built.basis.incident_centres("exterior")
     transmitted = np.asarray(built.bsdf.integrate(incident, "transmission", band="solar"))
-    gain = solar_gain(layers, gaps, transmitted, built.absorptance("solar"), climates[1], each=each, **size)
-    return WindowHeat(u_value(layers, gaps, climates[0], **size), gain, built.basis, *climates, tuple(assumed))
+    gain = solar_gain(layers, gaps, transmitted, built.absorptance("solar"), hot, each=each, **size)
+    return WindowHeat(u_value(layers, gaps, cold, **size), gain, built.basis, cold, hot, tuple(assumed))
 
 
 def _climate(given: str | Conditions) -> Conditions:

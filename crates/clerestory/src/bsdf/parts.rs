@@ -140,6 +140,33 @@ impl Parts {
         }
     }
 
+    fn matrix(&self) -> Result<Matrix> {
+        let values = self.floats_there("values")?;
+        let matrix = Matrix::new(self.get_basis(0)?, self.get_basis(1)?, values)?;
+        let matrix = match self.get_floats("standard_errors")? {
+            Some(errors) => matrix.with_standard_errors(errors)?,
+            None => matrix,
+        };
+        match self.get_floats("total_standard_errors")? {
+            Some(errors) => matrix.with_total_standard_errors(errors),
+            None => Ok(matrix),
+        }
+    }
+
+    fn interpolant(&self) -> Result<Interpolant> {
+        let number = self.get_number("method")?;
+        let method = Method::ALL.into_iter().find(|&m| number == f64::from(m as u8));
+        Interpolant::from_stored(&Stored {
+            method: method.ok_or_else(|| self.broken(&format!("its method is {number}")))?,
+            isotropic: self.get_flag("isotropic")?,
+            distributions: self.floats_there("distributions")?,
+            lobes: self.floats_there("lobes")?,
+            covered: self.entries_there("covered")?,
+            edges: self.entries_there("edges")?,
+            fluxes: self.floats_there("fluxes")?,
+        })
+    }
+
     fn beam(&self, cells: Cells) -> Result<Beam> {
         let beam = Beam::new(cells, self.floats_there("values")?)?;
         match self.get_floats("standard_errors")? {
@@ -246,18 +273,7 @@ impl Model {
     /// Put together; fails where a part is missing or does not fit.
     pub fn from_parts(parts: &Parts) -> Result<Self> {
         Ok(match parts.kind.as_str() {
-            "matrix" => {
-                let values = parts.floats_there("values")?;
-                let matrix = Matrix::new(parts.get_basis(0)?, parts.get_basis(1)?, values)?;
-                let matrix = match parts.get_floats("standard_errors")? {
-                    Some(errors) => matrix.with_standard_errors(errors)?,
-                    None => matrix,
-                };
-                Self::Matrix(match parts.get_floats("total_standard_errors")? {
-                    Some(errors) => matrix.with_total_standard_errors(errors)?,
-                    None => matrix,
-                })
-            }
+            "matrix" => Self::Matrix(parts.matrix()?),
             "tree" => {
                 let rank = parts.get_rank()?;
                 let root = parts.get_number("root")?;
@@ -326,19 +342,7 @@ impl Model {
             }
             "reversed" => Self::Reversed(Reversed::new(parts.one_model()?)),
             "separated" => Self::Separated(Separated::new(parts.one_model()?)?),
-            "interpolant" => {
-                let number = parts.get_number("method")?;
-                let method = Method::ALL.into_iter().find(|&m| number == f64::from(m as u8));
-                Self::Interpolant(Interpolant::from_stored(&Stored {
-                    method: method.ok_or_else(|| parts.broken(&format!("its method is {number}")))?,
-                    isotropic: parts.get_flag("isotropic")?,
-                    distributions: parts.floats_there("distributions")?,
-                    lobes: parts.floats_there("lobes")?,
-                    covered: parts.entries_there("covered")?,
-                    edges: parts.entries_there("edges")?,
-                    fluxes: parts.floats_there("fluxes")?,
-                })?)
-            }
+            "interpolant" => Self::Interpolant(parts.interpolant()?),
             "filtered" => match parts.models.as_slice() {
                 [base, before, after] => Self::Filtered(Filtered::new(base.clone(), before.clone(), after.clone())?),
                 other => return Err(parts.broken(&format!("it is made of {} models, not of three", other.len()))),

@@ -98,7 +98,7 @@ struct Reader<'a> {
     changed: bool,
 }
 
-impl<'a> Reader<'a> {
+impl Reader<'_> {
     fn rows(&mut self) -> Result<()> {
         let mut any = false;
         loop {

@@ -45,7 +45,7 @@ def plan(
     ] = None,
     symmetry: Annotated[
         str | None,
-        typer.Option("--symmetry", help="isotropic, quadrilateral, bilateral, rotational-2, none or unknown."),
+        typer.Option("--symmetry", help="isotropic, quadrilateral, left-right, up-down, rotational, none or unknown."),
     ] = None,
     weave: Annotated[str | None, typer.Option("--weave", help="none, square or rectangular.")] = None,
     cut_off: Annotated[
@@ -199,7 +199,8 @@ def _from_scan(
         scans = _scans_from(scans, angle_pair(incident, "--incident"), path)
     if not scans:
         raise UsageError(f"{path}: holds no scan of a sample (give a goniophotometer's file)")
-    found, planned = [], []
+    found: list[dict[str, Any]] = []
+    planned: list[PlannedPath] = []
     for n, scan in enumerate(scans, start=1):
         peaks = find_peaks(scan)
         paths = fine_paths(peaks, pattern=shape, resolution_deg=resolution)  # type: ignore[arg-type]
@@ -217,7 +218,7 @@ def _from_scan(
              f"{peak.theta_deg:.1f},{peak.phi_deg:.1f}", f"{peak.bsdf:.3g}", f"{peak.width_deg:.2g}",
              "yes" if peak.resolved else "no"]
             for scan, entry in zip(scans, found, strict=True)
-            for peak in entry["peaks"]  # type: ignore[attr-defined]
+            for peak in entry["peaks"]
         ]  # fmt: skip
         if rows:
             say(table(["incident", "scatter", "peak at", "BSDF [1/sr]", "width [°]", "resolved"], rows, left=2))

@@ -86,7 +86,7 @@ def plot(
     }
     from_direction = None if incident is None else angle_pair(incident, "--incident")
     middle = None if centre is None else angle_pair(centre, "--centre")
-    scale = one_of(scale, "--scale", ("log", "linear"))
+    kept_scale: Any = one_of(scale, "--scale", ("log", "linear"))
     contents = read(files)
     for text in contents.warnings:
         warn("measure plot", text)
@@ -106,7 +106,7 @@ def plot(
     if chosen != "overview":
         options["incident"] = from_direction
     if chosen == "cut":
-        figure = measured.cut_figure(samples, scale=scale, azimuth_deg=azimuth, **options)
+        figure = measured.cut_figure(samples, scale=kept_scale, azimuth_deg=azimuth, **options)
     else:
         if len(samples) > 1:
             names = ", ".join(samples)
@@ -122,7 +122,7 @@ def plot(
                 "mountain": measured.mountain_figure,
                 "overview": measured.overview_figure,
             }[chosen]
-            figure = draw(scans, scale=scale, **options)  # type: ignore[operator]
+            figure = draw(scans, scale=kept_scale, **options)  # type: ignore[operator]
     write_whole(output, render(figure, suffix, dpi=dpi))
     if as_json:
         held = {name: {"scans": len(s), "points": sum(len(scan) for scan in s)} for name, s in samples.items()}

@@ -125,8 +125,16 @@ def _window(product: str, winter: str, summer: str, *, quiet: bool) -> tuple[Bsd
     for text in built.warnings:
         warn(product, text)
     keys = made.specification.system
-    size = {"width_m": keys.width_m or 1.0, "height_m": keys.height_m or 1.0, "tilt_deg": keys.tilt_deg}
-    return built.bsdf, built, heat(made.window, built, winter=winter, summer=summer, **size), made.sources
+    found = heat(
+        made.window,
+        built,
+        winter=winter,
+        summer=summer,
+        width_m=keys.width_m or 1.0,
+        height_m=keys.height_m or 1.0,
+        tilt_deg=keys.tilt_deg,
+    )
+    return built.bsdf, built, found, made.sources
 
 
 def _result(rated: Rated, heat: WindowHeat | None, edition: str) -> dict[str, Any]:

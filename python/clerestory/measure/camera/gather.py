@@ -113,7 +113,7 @@ def covered(
     seen = np.zeros(len(flat), dtype=bool)
     for screen, shape in zip(screens, shapes, strict=True):
         seen |= _share(screen, flat, shape, 0.0) > 0.0
-    return seen.reshape(d.shape[:2]).mean(axis=1)
+    return np.asarray(seen.reshape(d.shape[:2]).mean(axis=1))
 
 
 def covered_directly(view: View, basis: Basis, side: Side, *, across: int = 4) -> Floats:

@@ -35,7 +35,7 @@ class Screen:
     @property
     def normal(self) -> Floats:
         """Unit vector (3,) across it."""
-        return np.cross(self.axes[0], self.axes[1])
+        return np.asarray(np.cross(self.axes[0], self.axes[1]))
 
     def edge_distance(self, places: Floats) -> Floats:
         """Distance [mm] of places (n, 2) from the nearest edge, negative outside."""
@@ -43,7 +43,7 @@ class Screen:
         for a, b in zip(self.corners, np.roll(self.corners, -1, axis=0), strict=True):
             along = (b - a) / np.linalg.norm(b - a)
             distances.append(along[0] * (places[:, 1] - a[1]) - along[1] * (places[:, 0] - a[0]))
-        return np.min(distances, axis=0)
+        return np.asarray(np.min(distances, axis=0))
 
     @property
     def size(self) -> float:

@@ -46,7 +46,7 @@ def advice_of(job: Job, instrument: Instrument, extent: Extent, route: Route) ->
         made.append("One azimuth rests on isotropy: measure one angle at a second azimuth to check it.")
     elif piece.symmetry != "none":
         made.append("Verify the assumed symmetry by at least one direction from another quadrant.")
-    if piece.weave == "rectangular" or (piece.weave != "none" and piece.symmetry == "rotational-2"):
+    if piece.weave == "rectangular" or (piece.weave != "none" and piece.symmetry == "rotational"):
         made.append("The weave needs azimuths of the adjacent quadrant: its mirror image is another fabric.")
     if not extent.turns_in_its_plane and piece.symmetry != "isotropic" and extent.holder is not None:
         made.append(

@@ -31,8 +31,10 @@ _RANGES: dict[Symmetry, tuple[float, float, bool]] = {
     "isotropic": (90.0, 90.0, True),
     "quadrilateral": (0.0, 90.0, True),
     # Left and right are alike: the right half of the sky, from below to above, as seen from the room.
-    "bilateral": (-90.0, 90.0, True),
-    "rotational-2": (0.0, 180.0, False),
+    "left-right": (-90.0, 90.0, True),
+    # The upper half.
+    "up-down": (0.0, 180.0, True),
+    "rotational": (0.0, 180.0, False),
     "none": (0.0, 360.0, False),
     "unknown": (0.0, 360.0, False),
 }
@@ -60,8 +62,10 @@ def azimuths(piece: Piece, *, step_deg: float = AZIMUTH_STEP_DEG) -> list[float]
             return first
         if piece.symmetry in ("none", "unknown"):
             return [45.0 * k for k in range(8)]
-        if piece.symmetry == "bilateral":
+        if piece.symmetry == "left-right":
             return [-90.0, -45.0, *first]
+        if piece.symmetry == "up-down":
+            return [*first, 135.0, 180.0]
         return [*first, 135.0]
     low, high, closed = _RANGES[piece.symmetry]
     count = round((high - low) / step_deg)
@@ -107,7 +111,8 @@ def images(theta_deg: float, phi_deg: float, symmetry: Symmetry) -> list[tuple[f
     """All incident directions that a symmetry makes equal to one, itself included (isotropic: itself)."""
     turns = {
         "quadrilateral": (phi_deg, -phi_deg, 180.0 - phi_deg, 180.0 + phi_deg),
-        "bilateral": (phi_deg, 180.0 - phi_deg),
-        "rotational-2": (phi_deg, 180.0 + phi_deg),
+        "left-right": (phi_deg, 180.0 - phi_deg),
+        "up-down": (phi_deg, -phi_deg),
+        "rotational": (phi_deg, 180.0 + phi_deg),
     }.get(symmetry, (phi_deg,))
     return sorted({(theta_deg, round(p % 360.0, 6) % 360.0) for p in turns})

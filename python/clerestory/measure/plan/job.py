@@ -14,10 +14,18 @@ if TYPE_CHECKING:
     import os
     from typing import Self
 
-Symmetry = Literal["isotropic", "quadrilateral", "bilateral", "rotational-2", "none", "unknown"]
+Symmetry = Literal["isotropic", "quadrilateral", "left-right", "up-down", "rotational", "none", "unknown"]
 """Of a sample: no dependence on the azimuth; mirrored in x and y; mirrored in y alone (left and right alike); the same
 after half a turn but not mirrored, as a twill; none; or not known, which is measured as none."""
-SYMMETRIES: tuple[Symmetry, ...] = ("isotropic", "quadrilateral", "bilateral", "rotational-2", "none", "unknown")
+SYMMETRIES: tuple[Symmetry, ...] = (
+    "isotropic",
+    "quadrilateral",
+    "left-right",
+    "up-down",
+    "rotational",
+    "none",
+    "unknown",
+)
 Purpose = Literal["klems", "high-resolution", "glare", "cut-off"]
 """Matrices of 145 patches; tensor trees; glare, where the sun's surroundings decide; or the angle of cut-off."""
 PURPOSES: tuple[Purpose, ...] = ("klems", "high-resolution", "glare", "cut-off")
@@ -78,7 +86,7 @@ class Job(Keys):
     @model_validator(mode="after")
     def _fits(self) -> Self:
         if self.sample.weave != "none" and self.sample.symmetry == "isotropic":
-            raise wrong("sample.symmetry", "a weave is not isotropic (give quadrilateral, rotational-2 or none)")
+            raise wrong("sample.symmetry", "a weave is not isotropic (give quadrilateral, rotational or none)")
         if self.purpose == "cut-off" and self.sample.cut_off_deg is None:
             raise wrong("sample.cut_off_deg", "is missing for the purpose cut-off (estimate it from the geometry)")
         return self

@@ -13,6 +13,7 @@ from clerestory.whole import write_whole
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Sequence
 
     from clerestory.measure.plan.make import Plan, PlannedPath
 
@@ -94,7 +95,7 @@ def write_plan(plan: Plan, folder: str | os.PathLike[str]) -> list[Path]:
     return [folder / name for name in content]
 
 
-def _table(head: tuple[str, ...], rows: list[tuple[object, ...]]) -> str:
+def _table(head: tuple[str, ...], rows: Sequence[tuple[object, ...]]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(head)

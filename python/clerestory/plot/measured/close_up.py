@@ -115,10 +115,10 @@ def close_up_figure(
             if kind == "linear":
                 cell = (2.0 * half / _CELLS) ** 2
                 width = 2.0 * np.sqrt(cell * float((values >= 0.5 * top).sum()) / np.pi)
-                ring = panel.plot(
-                    [], [], color="#909090", linewidth=1.1, label=f"half of the largest: {width:.3g}' wide"
-                )
-                kept_ring = ring
+                rim = np.concatenate([values[0], values[-1], values[:, 0], values[:, -1]])
+                whole = not (np.nan_to_num(rim, nan=np.inf) >= 0.5 * top).any()
+                said = f": {width:.3g}' wide" if whole else ", beyond the picture"
+                kept_ring = panel.plot([], [], color="#909090", linewidth=1.1, label=f"half of the largest{said}")
             handles += kept_ring
         place = offset(of.through, middle, right, up) * 60.0
         if np.all(np.abs(place) <= half):

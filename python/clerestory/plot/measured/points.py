@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.patches import Circle
@@ -84,7 +84,13 @@ def points_figure(
     return style.figure_of(ax)
 
 
-BELOW = {"marker": "o", "markersize": 3.0, "markeredgewidth": 0.5, "markerfacecolor": "none", "color": "#b03060"}
+BELOW: dict[str, Any] = {
+    "marker": "o",
+    "markersize": 3.0,
+    "markeredgewidth": 0.5,
+    "markerfacecolor": "none",
+    "color": "#b03060",
+}
 """What a value without a logarithm looks like."""
 
 

@@ -37,13 +37,6 @@ pub fn clusters(distribution: &Distribution) -> Vec<Cluster> {
     // Each hill points to the one that it joined; the summit is its first lobe.
     let mut parent: Vec<usize> = (0..lobes.len()).collect();
     let mut done: Vec<usize> = Vec::with_capacity(lobes.len());
-    fn top(parent: &mut [usize], mut k: usize) -> usize {
-        while parent[k] != k {
-            parent[k] = parent[parent[k]];
-            k = parent[k];
-        }
-        k
-    }
     for &i in &order {
         let mut highest: Option<usize> = None;
         let mut neighbours = Vec::new();
@@ -93,4 +86,13 @@ pub fn clusters(distribution: &Distribution) -> Vec<Cluster> {
             ..hill
         })
         .collect()
+}
+
+/// The summit of the hill that a lobe belongs to.
+fn top(parent: &mut [usize], mut k: usize) -> usize {
+    while parent[k] != k {
+        parent[k] = parent[parent[k]];
+        k = parent[k];
+    }
+    k
 }

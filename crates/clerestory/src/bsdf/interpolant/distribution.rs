@@ -73,6 +73,7 @@ impl Distribution {
     }
 
     /// Of the sample turned or mirrored.
+    #[must_use]
     pub fn turned(&self, turn: Turn) -> Self {
         let mut covered = [0; WORDS];
         for cell in 0..CELLS * CELLS {

@@ -87,12 +87,12 @@ impl Trend {
 
     /// Its value, 0 to 1.
     pub fn at(&self, incident: Disk) -> f64 {
+        /// How far back the power is taken from.
+        const BACK: f64 = 0.1745;
         let (theta, phi) = (incident.theta(), incident.phi());
         if theta <= self.last {
             return self.inside(theta, phi);
         }
-        /// How far back the power is taken from.
-        const BACK: f64 = 0.1745;
         let here = self.inside(self.last, phi);
         let before = self.inside((self.last - BACK).max(0.0), phi);
         let cosines = (self.last.cos() / (self.last - BACK).max(0.0).cos()).ln();
