@@ -15,7 +15,7 @@ use crate::sequence::r2;
 const ROULETTE: f64 = 0.1;
 /// Parts of a window that are asked for a matrix are seen at about this angle (rad) by a path that carries all of its light; they
 /// are larger where each takes a ray, and where the path carries less, down to a least share.
-const FINENESS: f64 = 0.4;
+const FINENESS: f64 = 1.2;
 const COARSER: f64 = 2.5;
 const LEAST: f64 = 0.05;
 /// Events after which a path is cut off.
