@@ -91,8 +91,8 @@ def _sections() -> dict[str, str]:
 def _write(sections: dict[str, str]) -> None:
     lines = [INTRODUCTION]
     for chapter, jobs in CHAPTERS.items():
-        lines += [f"## {chapter}", ""]
-        lines += [f"<!-- {name} -->\n{sections[name]}\n<!-- end -->\n" for name in jobs if name in sections]
+        made = [f"<!-- {name} -->\n{sections[name]}\n<!-- end -->\n" for name in jobs if name in sections]
+        lines += [f"## {chapter}", "", *made] if made else []
     PAGE.write_text("\n".join(lines).rstrip() + "\n")
 
 

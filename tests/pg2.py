@@ -79,7 +79,7 @@ def twill(travel):
 def prism(travel):
     """Two peaks beside the straight direction, one of which takes over from the other."""
     share = 0.5 + 0.35 * travel[1]
-    places = [travel * 0.8 + [0.0, 0.3], travel * 0.8 - [0.0, 0.3]]
+    places = [travel * 0.6 + [0.0, 0.25], travel * 0.6 - [0.0, 0.25]]
     weights = [share, 1.0 - share]
     lobes = [
         Lobe(_up(*place), np.radians(1.2), 0.6 * weight * _fall(travel))

@@ -306,7 +306,8 @@ def _order(scan):
         round(scan.incident_theta_deg, 9),
         round(scan.incident_phi_deg, 9) % 360.0,
     )
-    return (*light, scan.channels, scan.quantity, scan.purpose, sorted(scan.conditions.items()), scan.values.tolist())
+    what = (scan.channels, scan.quantity, scan.purpose, sorted(scan.conditions.items()))
+    return (*light, *what, scan.values.tolist(), np.round(scan.outgoing, 6).tolist())
 
 
 def assert_same(scan, again):

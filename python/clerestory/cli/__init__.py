@@ -55,7 +55,7 @@ _GROUPS: dict[str, tuple[str, ...]] = {
         "calibrate",
         "export",
     ),
-    "system": ("build", "rate"),
+    "system": ("build", "rate", "curve", "export"),
 }
 
 app = typer.Typer(

@@ -115,18 +115,6 @@ def u_value(
     return 1.0 / resistance
 
 
-def corrected_emissivity(normal: float) -> float:
-    """Hemispherical emissivity of one at normal incidence (annex A; Rubin, Arasteh and Hartmann 1987).
-
-    The table of the standard, between its values in a straight line.
-    """
-    normals = [0.03, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.89]
-    ratios = [1.22, 1.18, 1.14, 1.10, 1.06, 1.03, 1.00, 0.98, 0.96, 0.95, 0.94]
-    if not 0.0 < normal <= 1.0:
-        raise ClerestoryError(f"an emissivity of {normal:g} is none (give more than 0, 1 at most)")
-    return normal * float(np.interp(normal, normals, ratios))
-
-
 def _mixture(shares: Mapping[str, float]) -> tuple[float, float, float, float]:
     """Each property as the mean by volume."""
     for name in shares:

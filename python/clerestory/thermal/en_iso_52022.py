@@ -22,7 +22,6 @@ class Glazing:
     u: float
     """[W/(m² K)]."""
     g: float
-    visible_transmittance: float | None = None
 
 
 REFERENCE_GLAZINGS: dict[str, Glazing] = {
@@ -87,27 +86,3 @@ def g_total(position: Position, u: float, g: float, transmittance: float, reflec
     if not 0.1 <= reflectance <= 0.8:
         doubts.append(f"the method is for devices that reflect 0.1 to 0.8, not {reflectance:.2f}")
     return Total(found, tuple(doubts))
-
-
-def light_transmittance(
-    position: Position, glazing: float, glazing_reflectance: float, device: float, device_reflectance: float
-) -> float:
-    """Visible (or solar direct) transmittance of both (clause 6).
-
-    Parameters
-    ----------
-    position
-        exterior or interior; a device between the panes has no such formula.
-    glazing, device
-        Transmittances.
-    glazing_reflectance, device_reflectance
-        Of the faces that look at each other.
-
-    Raises
-    ------
-    ClerestoryError
-        The device is between the panes.
-    """
-    if position == "integrated":
-        raise ClerestoryError("light through a device between panes has no simple formula (stack the layers)")
-    return glazing * device / (1.0 - glazing_reflectance * device_reflectance)

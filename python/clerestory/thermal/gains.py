@@ -85,10 +85,22 @@ def inward_fractions(
     The heat of the sun is turned up by 1 % of it in one layer after another.
     """
     shares = np.asarray(absorbed, dtype=np.float64)
-    rest = balance(layers, gaps, conditions, shares, **window).heat_in
+    return _fractions(layers, gaps, conditions, shares, balance(layers, gaps, conditions, shares, **window), window)
+
+
+def _fractions(
+    layers: Sequence[ThermalLayer],
+    gaps: Sequence[Gap],
+    conditions: Conditions,
+    shares: Floats,
+    at: Balance,
+    window: dict[str, Any],
+) -> Floats:
+    """The same near a balance that was found."""
     more = 0.01
     found = [
-        balance(layers, gaps, conditions, shares + more * unit, **window).heat_in - rest for unit in np.eye(len(layers))
+        balance(layers, gaps, conditions, shares + more * unit, **window).heat_in - at.heat_in
+        for unit in np.eye(len(layers))
     ]
     return np.array(found) / (more * conditions.irradiance)
 
@@ -138,7 +150,7 @@ def solar_gain(
         raise ClerestoryError(f"{conditions.name}: there is no sun (give an irradiance, or nfrc-summer)")
     dark = balance(layers, gaps, conditions, dark=True, **window).heat_in
     first = balance(layers, gaps, conditions, taken[:, 0], **window)
-    inward = inward_fractions(layers, gaps, conditions, taken[:, 0], **window)
+    inward = _fractions(layers, gaps, conditions, taken[:, 0], first, window)
     if each:
         heat = [balance(layers, gaps, conditions, column, **window).heat_in for column in taken.T]
         secondary = (np.array(heat) - dark) / conditions.irradiance

@@ -97,10 +97,20 @@ def _at(coefficients: tuple[float, float], temperature: float) -> float:
     return coefficients[0] + coefficients[1] * temperature
 
 
-def _phi(ratio: float, mass_i: float, mass_j: float) -> float:
-    """Wilke's interaction of two gases, by the ratio of a property of theirs (equation 62)."""
-    numerator = (1.0 + math.sqrt(ratio) * (mass_i / mass_j) ** 0.25) ** 2
-    return float(numerator / (2.0 * math.sqrt(2.0) * math.sqrt(1.0 + mass_i / mass_j)))
+def _phi(ratio: float, root: float, mass: float) -> float:
+    """Wilke's interaction of two gases (equations 62 and 66).
+
+    Parameters
+    ----------
+    ratio
+        Of a property of theirs.
+    root
+        Ratio of masses under its fourth root: M_j / M_i for viscosities, M_i / M_j for conductivities.
+    mass
+        M_i / M_j.
+    """
+    fourth = math.sqrt(math.sqrt(root))
+    return (1.0 + math.sqrt(ratio) * fourth) ** 2 / (2.0 * math.sqrt(2.0) * math.sqrt(1.0 + mass))
 
 
 def _mixed(values: list[float], shares: list[float], interaction: list[list[float]]) -> float:
@@ -114,12 +124,8 @@ def _mixed(values: list[float], shares: list[float], interaction: list[list[floa
 def _viscosity(gases: list[tuple[Pure, float]], temperature: float) -> float:
     values = [_at(gas.viscosity, temperature) for gas, _ in gases]
     masses = [gas.molar_mass for gas, _ in gases]
-    # Viscosity has the inverse ratio of masses in its fourth root, where conductivity has the ratio (equations 62, 66).
     interaction = [
-        [
-            (1.0 + math.sqrt(vi / vj) * (mj / mi) ** 0.25) ** 2 / (2.0 * math.sqrt(2.0) * math.sqrt(1.0 + mi / mj))
-            for vj, mj in zip(values, masses, strict=True)
-        ]
+        [_phi(vi / vj, mj / mi, mi / mj) for vj, mj in zip(values, masses, strict=True)]
         for vi, mi in zip(values, masses, strict=True)
     ]
     return _mixed(values, [share for _, share in gases], interaction)
@@ -132,7 +138,7 @@ def _conductivity(gases: list[tuple[Pure, float]], temperature: float) -> float:
     translation = [3.75 * GAS_CONSTANT / gas.molar_mass * _at(gas.viscosity, temperature) for gas, _ in gases]
     rest = [_at(gas.conductivity, temperature) - first for (gas, _), first in zip(gases, translation, strict=True)]
     phi = [
-        [_phi(ki / kj, mi, mj) for kj, mj in zip(translation, masses, strict=True)]
+        [_phi(ki / kj, mi / mj, mi / mj) for kj, mj in zip(translation, masses, strict=True)]
         for ki, mi in zip(translation, masses, strict=True)
     ]
     psi = [

@@ -37,10 +37,8 @@ def front_of_cloth(permeability: float) -> float:
     return 0.078 * float(permeability**1.2)
 
 
-def front_of_slats(permeability: float, tilt_deg: float, *, horizontal: bool = True) -> float:
-    """Effective openness of slats by the open share at their tilt (Hart and others, WINDOW 7)."""
-    if not horizontal:
-        return 0.041 * float(permeability**0.27)
+def front_of_slats(permeability: float, tilt_deg: float) -> float:
+    """Effective openness of level slats by the open share at their tilt (Hart and others, WINDOW 7)."""
     cosine = max(math.cos(math.radians(tilt_deg)), 1e-9)
     return 0.016 * float((permeability * cosine**-0.63) ** 0.53)
 

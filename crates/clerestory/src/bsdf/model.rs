@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::convert;
 use super::{
     Beam, Estimate, Filtered, Interpolant, Lambertian, Matrix, Part, Peak, Region, Reversed, Sample, Scatterer,
     Separated, Specular, Sum, Tree, Turn, Turned,
@@ -161,8 +162,17 @@ impl Model {
             Self::Beam(b) => b.turned(turn).map(Self::Beam),
             Self::Turned(t) => Some(t.base().turned(turn.after(t.turn()))),
             Self::Sum(s) => Some(Self::Sum(s.map(|m| m.turned(turn)))),
-            Self::Interpolant(i) => i.isotropic().then(|| self.clone()),
-            Self::Filtered(f) => f.try_map(|m| Ok(m.turned(turn))).ok().map(Self::Filtered),
+            Self::Interpolant(i) => (i.isotropic() && !turn.mirror()).then(|| self.clone()),
+            // Turned tables do not know their totals without sampling: then it is turned as a whole.
+            Self::Filtered(f) => f
+                .try_map(|m| Ok(m.turned(turn)))
+                .ok()
+                .filter(|f| {
+                    ![f.base(), f.before(), f.after()]
+                        .iter()
+                        .any(|m| matches!(***m, Self::Turned(_)))
+                })
+                .map(Self::Filtered),
             Self::Specular(Specular::Patches { .. }) | Self::Reversed(_) | Self::Separated(_) => None,
         };
         exact.unwrap_or_else(|| Self::Turned(Turned::new(Arc::new(self.clone()), turn)))
@@ -199,7 +209,7 @@ impl Model {
             Self::Turned(t) => Self::Turned(Turned::new(Arc::new(t.base().reciprocal()), t.turn())),
             Self::Reversed(r) => (**r.base()).clone(),
             Self::Separated(s) => Self::Separated(s.reciprocal()),
-            Self::Interpolant(_) => view(),
+            Self::Interpolant(i) => convert::as_tree(i).reciprocal(),
             Self::Filtered(f) => Self::Filtered(f.reciprocal()),
         }
     }

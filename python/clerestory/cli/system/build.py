@@ -20,6 +20,7 @@ from clerestory.cli.common import (
     warn,
     write_whole,
 )
+from clerestory.cli.system.product import solved, specified
 
 if TYPE_CHECKING:
     from clerestory.directions import Scatter, Side
@@ -75,16 +76,11 @@ def build(
     if spec is None:
         raise UsageError("SPEC: none is given (give a specification, or --list for those that come with Clerestory)")
     _check_names(output, target, curves)
-    from clerestory.system.build import load
-
-    made = load(spec, tell=None if as_json else note)
+    made = specified(spec, quiet=as_json)
     for path in (output, curves):
         if path is not None:
             refuse_overwriting(path, made.sources)
-    with about(Path(spec)):
-        built = made.solve()
-    for text in built.warnings:
-        warn(spec, text)
+    built = solved(spec, made)
     written: list[Path] = []
     if output is not None:
         _write(made, built, output, target)

@@ -21,6 +21,7 @@ from clerestory.cli.common import (
     warn,
     write_whole,
 )
+from clerestory.cli.system.product import is_data_set, solved, specified
 
 if TYPE_CHECKING:
     from clerestory.bsdf import Bsdf
@@ -81,7 +82,7 @@ def rate(
     heat: WindowHeat | None = None
     built: Built | None = None
     with about(Path(product)):
-        if product.lower().endswith((".xml", ".xml.gz", ".npz")):
+        if is_data_set(product):
             if directions is not None:
                 raise UsageError("--directions goes with a specification of a window (a device has no heat of its own)")
             bsdf, sources = read(Path(product)), [Path(product)]
@@ -117,13 +118,10 @@ def rate(
 
 
 def _window(product: str, winter: str, summer: str, *, quiet: bool) -> tuple[Bsdf, Built, WindowHeat, list[Path]]:
-    from clerestory.system.build import load
     from clerestory.system.heat import heat
 
-    made = load(product, tell=None if quiet else note)
-    built = made.solve()
-    for text in built.warnings:
-        warn(product, text)
+    made = specified(product, quiet=quiet)
+    built = solved(product, made)
     keys = made.specification.system
     found = heat(
         made.window,

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clerestory.counts import counted
 from clerestory.measure.scan import Measurement
 
 if TYPE_CHECKING:
@@ -110,10 +109,3 @@ def light_in_words(scan: Scan) -> str:
         f"{scan.scatter} from the {scan.incident_side}, {scan.incident_theta_deg:g}° at azimuth "
         f"{scan.incident_phi_deg % 360.0:g}°"
     )
-
-
-def points_in_words(scans: Iterable[Scan]) -> str:
-    """How many scans and points: "12 scans with 4,031 points"."""
-    held = list(scans)
-    count = sum(len(scan) for scan in held)
-    return f"{counted(len(held), 'scan')} with {count:,} point{'' if count == 1 else 's'}"

@@ -18,6 +18,7 @@ mod tree;
 
 pub use dataset::{Report, all_to_matrix, all_to_tree};
 pub use isotropy::anisotropy;
+pub(super) use lobes::as_tree;
 pub use matrix::{Conversion, to_matrix};
 pub(super) use overlap::shares;
 pub use tree::{MAX_ANISOTROPY, TreeConversion, to_tree};

@@ -242,7 +242,7 @@ fn divide(points: &[Point]) -> Vec<Cell> {
 /// Points that a cell needs to be tested.
 const LEAST: usize = 4;
 /// Limits of the unevenness of a cell that is divided, and of one that is divided to single points.
-const UNEVEN: f64 = 1.5;
+const UNEVEN: f64 = 2.5;
 const STEEP: f64 = 12.0;
 
 /// How far the points of a cell lie from a plane: mean square over noise and tolerance.
@@ -286,22 +286,66 @@ fn unevenness(points: &[Point], cell: &Cell) -> f64 {
     chi2 / freedom
 }
 
+/// Value in the middle of a cell without points, by the nearest ones.
+fn near(points: &[Point], cell: &Cell) -> f64 {
+    let middle = vector(from_square(cell.corner.map(|c| c + 0.5 * cell.width)));
+    let mut nearest = [(f64::INFINITY, 0.0); NEIGHBOURS];
+    for point in points {
+        let distance2 = chord2(middle, point.at);
+        if distance2 < nearest[NEIGHBOURS - 1].0 {
+            let place = nearest.partition_point(|n| n.0 < distance2);
+            nearest[place..].rotate_right(1);
+            nearest[place] = (distance2, point.value);
+        }
+    }
+    let known = nearest.iter().filter(|n| n.0.is_finite());
+    let (sum, weight) = known.fold((0.0, 0.0), |(sum, weight), &(distance2, value)| {
+        let w = 1.0 / (distance2 + 1e-9);
+        (sum + w * value, weight + w)
+    });
+    sum / weight
+}
+
+/// Means over cells of 9°, without those below 0.
+fn coarse_means(points: &[Point]) -> Vec<f64> {
+    let mut sums = vec![[0.0; 2]; CELLS * CELLS];
+    for point in points {
+        let [x, y] = point.square.map(|c| (c * CELLS as f64) as usize);
+        let sum = &mut sums[y * CELLS + x];
+        sum[0] += point.value.max(0.0);
+        sum[1] += 1.0;
+    }
+    sums.into_iter()
+        .map(|[sum, count]| if count > 0.0 { sum / count } else { 0.0 })
+        .collect()
+}
+
 /// Amplitudes of 0 or more by least squares, coordinate after coordinate; where points say little they stay near the mean of
 /// their cell.
 fn amplitudes(points: &[Point], cells: &[Cell], floor: f64) -> Vec<Lobe> {
     const RIDGE: f64 = 0.003;
     const LEAST_SHARE: f64 = 1e-7;
+    const BESIDE: f64 = 0.5;
+    let coarse = coarse_means(points);
+    let brightness = |square: [f64; 2]| {
+        let [x, y] = square.map(|c| (c * CELLS as f64) as usize);
+        coarse[y * CELLS + x]
+    };
     let mut weights = vec![0.0; points.len()];
     let mut start = vec![0.0; cells.len()];
     for (cell, start) in cells.iter().zip(&mut start) {
-        let sum: f64 = cell.points.iter().map(|&k| points[k as usize].value).sum();
-        let mean = sum / cell.points.len().max(1) as f64;
+        let mean = if cell.points.is_empty() {
+            near(points, cell)
+        } else {
+            cell.points.iter().map(|&k| points[k as usize].value).sum::<f64>() / cell.points.len() as f64
+        };
         // So many lobes lie over each other.
         *start = mean.max(0.0) / (0.25 * std::f64::consts::PI * OVERLAP * OVERLAP);
         for &k in &cell.points {
             let error = points[k as usize].error;
-            weights[k as usize] =
-                1.0 / (error * error + (TOLERANCE * (mean.abs() + floor)).powi(2) + f64::MIN_POSITIVE);
+            // What lies beside something bright is not known better than that is resolved.
+            let level = floor + mean.abs().max(BESIDE * brightness(points[k as usize].square));
+            weights[k as usize] = 1.0 / (error * error + (TOLERANCE * level).powi(2) + f64::MIN_POSITIVE);
         }
     }
     let places: Vec<(Disk, f64)> = cells

@@ -1,7 +1,8 @@
 //! The distribution of one incident direction, ready to be asked.
 
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use super::distribution::{cell_middle, chord2, to_square};
 use super::lobe::{Lobe, Vector, around, draw, kernel, solid_angle, vector};
@@ -14,6 +15,8 @@ const CELLS: usize = 24;
 const CELL_RADIUS: f64 = 0.13;
 /// So many lobes are all looked at without an index.
 const FEW: usize = 48;
+/// So often a distribution is asked before an index is worth its making.
+const OFTEN: u32 = 24;
 
 /// Lobes of one incident direction.
 pub struct State {
@@ -26,6 +29,7 @@ pub struct State {
     /// The beam.
     pub peak: Option<Peak>,
     index: OnceCell<Vec<Vec<u32>>>,
+    asked: Cell<u32>,
 }
 
 #[derive(Clone, Copy)]
@@ -66,6 +70,7 @@ impl State {
             scattered: sum + PI * floor,
             peak,
             index: OnceCell::new(),
+            asked: Cell::new(0),
         }
     }
 
@@ -105,7 +110,8 @@ impl State {
             let below = kernel((2.0 - 2.0 * (level - height)) * lobe.inverse);
             factor(lobe) * (above + below)
         };
-        if self.lobes.len() <= FEW {
+        self.asked.set(self.asked.get().saturating_add(1));
+        if self.lobes.len() <= FEW || self.asked.get() < OFTEN {
             return self.lobes.iter().map(one).sum();
         }
         let [x, y] = to_square(outgoing).map(|c| (c * CELLS as f64) as usize);
@@ -225,37 +231,34 @@ impl State {
         }
         let n = cells.count;
         let area = PI / (n * n) as f64;
-        let mut touched: Vec<(usize, f64)> = Vec::new();
+        let mut reached = vec![0.0_f32; n * n];
         for (k, lobe) in self.lobes.iter().enumerate() {
             let before = if k == 0 { 0.0 } else { self.sums[k - 1] };
             let flux = self.sums[k] - before;
             // A cell's variance an axis is width²/12, a lobe's radius²/10. Near the horizon a cell is high.
             let width2 = area / lobe.at[2].max(0.15);
             let radius2 = lobe.radius2 + (width2 / 12.0 + spread2) * 10.0;
-            let inverse = 1.0 / radius2;
-            touched.clear();
-            let mut sum = 0.0;
             let [x, y] = cells.box_about(lobe.at, radius2.sqrt());
+            let mirrored = lobe.at[2] * lobe.at[2] < radius2;
+            let at = lobe.at.map(|c| c as f32);
+            let inverse = (1.0 / radius2) as f32;
+            let width = y.1 - y.0;
+            let mut sum = 0.0;
             for row in x.0..x.1 {
-                for cell in row * n + y.0..row * n + y.1 {
-                    let at = cells.middles[cell];
-                    let level = lobe.at[0] * at[0] + lobe.at[1] * at[1];
-                    let height = lobe.at[2] * at[2];
-                    let v = kernel((2.0 - 2.0 * (level + height)) * inverse)
-                        + kernel((2.0 - 2.0 * (level - height)) * inverse);
-                    if v > 0.0 {
-                        touched.push((cell, v));
-                        sum += v;
-                    }
-                }
+                let own = row * n + y.0..row * n + y.1;
+                let reached = &mut reached[(row - x.0) * width..][..width];
+                sum += f64::from(cells.reach(own, at, inverse, mirrored, reached));
             }
-            if sum > 0.0 {
-                let scale = flux / (sum * area);
-                for &(cell, v) in &touched {
-                    values[cell] += v * scale;
-                }
-            } else {
+            if sum <= 0.0 {
                 values[cells.cell_of(lobe.at)] += flux / area;
+                continue;
+            }
+            let scale = (flux / (sum * area)) as f32;
+            for row in x.0..x.1 {
+                let values = &mut values[row * n + y.0..row * n + y.1];
+                for (value, v) in values.iter_mut().zip(&reached[(row - x.0) * width..]) {
+                    *value += f64::from(v * scale);
+                }
             }
         }
         if let Some(peak) = self.peak {
@@ -280,24 +283,33 @@ fn range(middle: f64, reach: f64, cells: usize) -> (usize, usize) {
 /// Middles of the outgoing cells of a tensor tree, the first axis slowest.
 pub struct Raster {
     count: usize,
-    middles: Vec<Vector>,
+    x: Vec<f32>,
+    y: Vec<f32>,
+    z: Vec<f32>,
 }
 
 impl Raster {
     /// So many cells an axis.
     pub fn new(count: usize) -> Self {
         let at = |k: usize| (k as f64 + 0.5) / count as f64;
-        Self {
+        let middles = (0..count * count).map(|k| vector(Disk::from_square([at(k / count), at(k % count)])));
+        let mut raster = Self {
             count,
-            middles: (0..count * count)
-                .map(|k| vector(Disk::from_square([at(k / count), at(k % count)])))
-                .collect(),
+            x: Vec::new(),
+            y: Vec::new(),
+            z: Vec::new(),
+        };
+        for [x, y, z] in middles {
+            raster.x.push(x as f32);
+            raster.y.push(y as f32);
+            raster.z.push(z as f32);
         }
+        raster
     }
 
     /// Number of cells.
     pub fn cells(&self) -> usize {
-        self.middles.len()
+        self.x.len()
     }
 
     fn cell_of(&self, at: Vector) -> usize {
@@ -305,6 +317,26 @@ impl Raster {
             .to_square()
             .map(|c| (c * self.count as f64) as usize);
         x * self.count + y
+    }
+
+    /// A lobe of amplitude 1 in some cells, and the sum over them.
+    fn reach(&self, cells: Range<usize>, at: [f32; 3], inverse: f32, mirrored: bool, reached: &mut [f32]) -> f32 {
+        let kernel = |q: f32| {
+            let rest = (1.0 - q).max(0.0);
+            rest * rest * rest
+        };
+        let middles = self.x[cells.clone()]
+            .iter()
+            .zip(&self.y[cells.clone()])
+            .zip(&self.z[cells]);
+        for (value, ((x, y), z)) in reached.iter_mut().zip(middles) {
+            let level = (x - at[0]) * (x - at[0]) + (y - at[1]) * (y - at[1]);
+            *value = kernel((level + (z - at[2]) * (z - at[2])) * inverse);
+            if mirrored {
+                *value += kernel((level + (z + at[2]) * (z + at[2])) * inverse);
+            }
+        }
+        reached.iter().sum()
     }
 
     fn box_about(&self, at: Vector, radius: f64) -> [(usize, usize); 2] {

@@ -23,7 +23,10 @@ enum Kind {
         values: Vec<f64>,
         slopes: Vec<f64>,
     },
+    /// What all azimuths have in common, where there are rings of them, and a plate for the rest: it would sag between
+    /// azimuths where values are steep.
     Plate {
+        common: Option<Box<Trend>>,
         centres: Vec<[f64; 2]>,
         weights: Vec<f64>,
     },
@@ -56,6 +59,7 @@ impl Trend {
     /// Of values at points of a mesh.
     pub fn plate(points: &[Disk], values: &[f64]) -> Self {
         let centres: Vec<[f64; 2]> = points.iter().map(|&p| flat(p)).collect();
+        let common = common(points, values).map(Box::new);
         let n = centres.len();
         let mut rows = vec![vec![0.0; n + 4]; n + 3];
         for i in 0..n {
@@ -66,11 +70,16 @@ impl Trend {
                 rows[i][n + k] = v;
                 rows[n + k][i] = v;
             }
-            rows[i][n + 3] = values[i];
+            rows[i][n + 3] = values[i] - common.as_ref().map_or(0.0, |c| c.inside(points[i].theta(), 0.0));
         }
         let weights = solved(rows);
         let last = points.iter().map(|p| p.theta()).fold(0.0, f64::max);
-        Self::new(Kind::Plate { centres, weights }, last, values)
+        let kind = Kind::Plate {
+            common,
+            centres,
+            weights,
+        };
+        Self::new(kind, last, values)
     }
 
     fn new(kind: Kind, last: f64, values: &[f64]) -> Self {
@@ -122,15 +131,42 @@ impl Trend {
                     + t * t * (3.0 - 2.0 * t) * values[k]
                     - t * t * s * width * slopes[k]
             }
-            Kind::Plate { centres, weights } => {
+            Kind::Plate {
+                common,
+                centres,
+                weights,
+            } => {
                 let at = [theta * phi.cos(), theta * phi.sin()];
                 let n = centres.len();
                 let sum: f64 = centres.iter().zip(weights).map(|(&c, w)| w * plate(at, c)).sum();
-                sum + weights[n] + weights[n + 1] * at[0] + weights[n + 2] * at[1]
+                let common = common.as_ref().map_or(0.0, |c| c.inside(theta, 0.0));
+                common + sum + weights[n] + weights[n + 1] * at[0] + weights[n + 2] * at[1]
             }
         };
         value.clamp(self.least, self.most)
     }
+}
+
+/// The mean over azimuths by polar angle, where directions lie on a few rings.
+fn common(points: &[Disk], values: &[f64]) -> Option<Trend> {
+    const ALIKE: f64 = 1e-4;
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_by(|&a, &b| points[a].theta().total_cmp(&points[b].theta()));
+    let rings: Vec<&[usize]> = order
+        .chunk_by(|&a, &b| points[b].theta() - points[a].theta() < ALIKE)
+        .collect();
+    if rings.len() < 2 || 3 * rings.len() > points.len() {
+        return None;
+    }
+    let middles: Vec<Disk> = rings
+        .iter()
+        .map(|r| Disk::from_angles(points[r[0]].theta(), 0.0))
+        .collect();
+    let means: Vec<f64> = rings
+        .iter()
+        .map(|r| r.iter().map(|&k| values[k]).sum::<f64>() / r.len() as f64)
+        .collect();
+    Some(Trend::chain(&middles, &means))
 }
 
 fn flat(point: Disk) -> [f64; 2] {
