@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from clerestory._core import ClerestoryError, __version__
 from clerestory.annual.cache import digest
+from clerestory.annual.traced import kept
 from clerestory.system import family as families
 from clerestory.system.family.manifest import MANIFEST
 from clerestory.trace.keys import Keys, Positive, RecipeError
@@ -14,9 +15,12 @@ from clerestory.trace.recipe import read_toml
 from clerestory.trace.shipped import RECIPES
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
+    from clerestory.annual.cache import Cache
     from clerestory.system.family import Family
+
+    Tell = Callable[[str], object]
 
 _SLATS = {"width_mm": "width", "pitch_mm": "pitch", "crown_mm": "crown"}
 
@@ -30,7 +34,7 @@ class FamilyKeys(Keys):
     """States also at the multiples of this, in the parameter's unit, mixed of their neighbours."""
 
 
-def expanded(tables: Mapping[str, Any], folder: Path, cache: Path) -> dict[str, Any]:
+def expanded(tables: Mapping[str, Any], folder: Path, cache: Cache, tell: Tell | None) -> dict[str, Any]:
     """The tables of a study, with the states of families in place of their names.
 
     States come after those that the data set lists itself, such as `up`. They have the data set's `treatment`, `band`
@@ -43,7 +47,9 @@ def expanded(tables: Mapping[str, Any], folder: Path, cache: Path) -> dict[str, 
     folder
         Of the study.
     cache
-        Folder for families that are specified, or refined, but not built yet; they are built once.
+        For families that are specified, or refined, but not built yet; they are built once.
+    tell
+        Called with words before a sample is traced, which takes time.
 
     Raises
     ------
@@ -54,7 +60,7 @@ def expanded(tables: Mapping[str, Any], folder: Path, cache: Path) -> dict[str, 
     data_sets = made.get("data_sets")
     if isinstance(data_sets, dict):
         made["data_sets"] = {
-            name: _with_states(given, f"data_sets.{name}", folder, cache)
+            name: _with_states(given, f"data_sets.{name}", folder, cache, tell)
             if isinstance(given, dict) and "family" in given
             else given
             for name, given in data_sets.items()
@@ -62,7 +68,7 @@ def expanded(tables: Mapping[str, Any], folder: Path, cache: Path) -> dict[str, 
     return made
 
 
-def _with_states(given: dict[str, Any], key: str, folder: Path, cache: Path) -> dict[str, Any]:
+def _with_states(given: dict[str, Any], key: str, folder: Path, cache: Cache, tell: Tell | None) -> dict[str, Any]:
     own = {name: given[name] for name in FamilyKeys.model_fields if name in given}
     common = {name: given[name] for name in ("treatment", "band", "flipped") if name in given}
     rest = {name: value for name, value in given.items() if name not in own and name not in common}
@@ -71,7 +77,7 @@ def _with_states(given: dict[str, Any], key: str, folder: Path, cache: Path) -> 
     except RecipeError as error:
         raise RecipeError(f"{key}.{error}") from None
     try:
-        found = _found(folder / keys.family, cache, keys.step)
+        found = _found(folder / keys.family, keys.step, cache, tell)
     except FileNotFoundError:
         raise RecipeError(
             f"{key}.family: {folder / keys.family} does not exist (check it; it is relative to the study)"
@@ -95,7 +101,7 @@ def _with_states(given: dict[str, Any], key: str, folder: Path, cache: Path) -> 
     return made
 
 
-def _found(path: Path, cache: Path, step: float | None) -> Family:
+def _found(path: Path, step: float | None, cache: Cache, tell: Tell | None) -> Family:
     """A family with its step, from files."""
     if path.is_dir():
         path = path / MANIFEST
@@ -103,9 +109,9 @@ def _found(path: Path, cache: Path, step: float | None) -> Family:
     if is_built and step is None:
         return families.read(path)
     marks = [path.read_bytes()] if is_built else list(_contents(path))
-    home = cache / f"family-{digest(__version__, step, *marks)[:40]}"
+    home = cache.folder / f"family-{digest(__version__, step, *marks)[:40]}"
     if not (home / MANIFEST).is_file():
-        made = families.read(path) if is_built else families.load(path).make()
+        made = families.read(path) if is_built else families.load(path).make(kept(cache, tell))
         families.write(made if step is None else made.refined(step), home)
     return families.read(home)
 

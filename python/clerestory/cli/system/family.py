@@ -93,9 +93,12 @@ def _family(spec: Path, *, quiet: bool) -> tuple[Family, list[Path]]:
     if spec.suffix.lower() == ".json" or spec.is_dir():
         with about(spec):
             return read(spec), [spec]
+    from clerestory.annual.cache import Cache
+    from clerestory.annual.traced import kept
+
     planned = load(spec)
     with about(spec):
-        return planned.make(None if quiet else note), planned.sources
+        return planned.make(kept(Cache(), None if quiet else note)), planned.sources
 
 
 def _curve(made: Family, safety: float) -> Curve | None:

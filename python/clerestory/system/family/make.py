@@ -21,13 +21,11 @@ from clerestory.trace.shipped import RECIPES
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable
 
     from clerestory.directions import Scatter, Side
+    from clerestory.system.build import Traced
     from clerestory.system.family.place import Place
     from clerestory.system.product import ProductKeys
-
-    Tell = Callable[[str], object]
 
 _SUFFIXES = (".xml", ".xml.gz", ".npz")
 
@@ -83,13 +81,13 @@ class Planned:
             "crown": float(slat.get("crown_mm", 0.0)),
         }
 
-    def make(self, tell: Tell | None = None) -> Family:
+    def make(self, traced: Traced | None = None) -> Family:
         """The data set of every value.
 
         Parameters
         ----------
-        tell
-            Called with words on what is being made.
+        traced
+            Traces a sample, as `trace.measure` does; anew each time by default.
 
         Raises
         ------
@@ -98,8 +96,8 @@ class Planned:
         """
         states: list[State] = []
         if self.place is None:
-            whole, components = self._made(self.product.tables, tell)
-            open_ = State("without the product", 0.0, self._without(whole, tell))
+            whole, components = self._made(self.product.tables, traced)
+            open_ = State("without the product", 0.0, self._without(whole, traced))
             lowered = State("the product", 1.0, whole)
             for value in self.keys.values:
                 shares = [(value, lowered), (1.0 - value, open_)]
@@ -107,10 +105,8 @@ class Planned:
         for value in self.keys.values if self.place is not None else ():
             assert self.place is not None
             name = state_name(self.keys.parameter, value)
-            if tell is not None:
-                tell(f"state {name}")
             try:
-                bsdf, components = self._made(places.put(self.product.tables, self.place, value), tell)
+                bsdf, components = self._made(places.put(self.product.tables, self.place, value), traced)
             except ClerestoryError as error:
                 raise type(error)(f"state {name}: {error}") from None
             states.append(self._state(value, bsdf, components))
@@ -123,15 +119,15 @@ class Planned:
         described = bsdf.with_metadata(name=f"{self.name}, {name}", **self.about.fields)
         return State(name, value, described, components)
 
-    def _made(self, tables: dict[str, Any], tell: Tell | None) -> tuple[Bsdf, tuple[dict[str, Any], ...]]:
+    def _made(self, tables: dict[str, Any], traced: Traced | None) -> tuple[Bsdf, tuple[dict[str, Any], ...]]:
         if self.product.is_window:
-            made = build.load(tables, folder=self.product.folder, tell=tell)
+            made = build.load(tables, folder=self.product.folder, traced=traced)
             self.sources.extend(path for path in made.sources if path not in self.sources)
             sharp = made.specification.system.resolution == "layers"
             return made.sharpened() if sharp else made.solve().bsdf, components_of_window(made)
         sample = trace.Sample(Recipe.of(tables), self.product.folder)
         keys = self.keys
-        measured = trace.measure(
+        measured = (traced or trace.measure)(
             sample,
             basis=keys.basis or "klems-full",
             resolution=keys.resolution,
@@ -141,7 +137,7 @@ class Planned:
         )
         return measured, components_of_sample(sample, measured)
 
-    def _without(self, product: Bsdf, tell: Tell | None) -> Bsdf:
+    def _without(self, product: Bsdf, traced: Traced | None) -> Bsdf:
         """What the window is where the product is not; an opening has the product's bands and sides."""
         given = self.keys.without
         if given is None:
@@ -154,7 +150,7 @@ class Planned:
 
                 self.sources.append(self.folder / given)
                 return read(self.folder / given)
-            made = build.load(self.folder / given if Path(given).suffix else given, tell=tell)
+            made = build.load(self.folder / given if Path(given).suffix else given, traced=traced)
             self.sources.extend(made.sources)
             return made.solve().bsdf
         except FileNotFoundError:
