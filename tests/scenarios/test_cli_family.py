@@ -240,3 +240,17 @@ def test_what_export_refuses(folder, capsys):
     ):
         assert match in failed(capsys, "system", "export", *words)
     assert not list(folder.glob("refused*"))
+
+
+def test_a_family_that_cannot_be_written_leaves_nothing(folder, capsys):
+    out = folder / "none"
+    words = ["system", "family", folder / "family.toml", "-o", out, "--xml", "window"]
+    assert "family.toml: state tilt_0: WINDOW needs emissivity_exterior" in failed(capsys, *words)
+    assert not out.exists()
+    before = {path.name: path.read_bytes() for path in (folder / "built").iterdir()}
+    words[4] = folder / "built"
+    failed(capsys, *words)
+    assert {path.name: path.read_bytes() for path in (folder / "built").iterdir()} == before
+    assert "is no folder" in failed(capsys, "system", "family", folder / "family.toml", "-o", folder / "days.wea")
+    assert "--xml goes with --output" in failed(capsys, "system", "family", folder / "family.toml", "--xml", "plain")
+    assert "not TOML" in failed(capsys, "system", "family", folder / "built" / "tilt_0.xml")

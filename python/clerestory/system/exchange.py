@@ -17,13 +17,12 @@ if TYPE_CHECKING:
     from clerestory.system.window import Built
 
 
-def described(made: Specified, built: Built) -> tuple[Bsdf, list[str]]:
-    """The window's matrices with the thermal properties of the whole, as of one layer, and what was assumed.
+def described(made: Specified, bsdf: Bsdf) -> tuple[Bsdf, list[str]]:
+    """A window's data set with the thermal properties of the whole, as of one layer, and what was assumed.
 
     What the data set knows already goes before. A layer whose thermal properties are not known leaves those of the
     whole as they are, with a note.
     """
-    bsdf = built.matrices
     try:
         found, assumed = as_one(made.window)
     except MissingDataError as error:
@@ -46,7 +45,7 @@ def data_set(made: Specified, built: Built, *, curve: Curve | None = None) -> tu
     -------
     The data set, and notes on what was assumed or is not known.
     """
-    bsdf, notes = described(made, built)
+    bsdf, notes = described(made, built.matrices)
     keys = made.specification.system
     # One layer that is a file may say of itself what the specification does not.
     own = made.window.layers[0].bsdf if len(made.window.layers) == 1 else None

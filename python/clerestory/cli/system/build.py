@@ -122,7 +122,7 @@ def _write(made: Specified, built: Built, output: Path, target: str) -> None:
     name = one_of(target, "--for", ("plain", "radiance", "window", "energyplus"))
     from clerestory.system.exchange import described
 
-    bsdf, notes = described(made, built)
+    bsdf, notes = described(made, built.matrices)
     with about(output):
         for text in (*notes, *bsdf.write(output, target=cast("Target", name))):
             warn(output, text)

@@ -98,7 +98,10 @@ def _family(spec: Path, *, quiet: bool) -> tuple[Family, list[Path]]:
 
     planned = load(spec)
     with about(spec):
-        return planned.make(kept(Cache(), None if quiet else note)), planned.sources
+        made = planned.make(kept(Cache(), None if quiet else note))
+    for text in planned.notes:
+        warn(spec, text)
+    return made, planned.sources
 
 
 def _curve(made: Family, safety: float) -> Curve | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ from clerestory.bsdf import Bsdf
 from clerestory.model import Model
 from clerestory.system import build
 from clerestory.system.components import components_of_sample, components_of_window
+from clerestory.system.exchange import described
 from clerestory.system.family import place as places
 from clerestory.system.family.family import Family, State, mixed, state_name
 from clerestory.system.family.keys import HEIGHT, FamilyKeys, Head
@@ -60,6 +61,8 @@ class Planned:
     """Of the specification."""
     sources: list[Path]
     """Files that were read."""
+    notes: list[str] = field(default_factory=list)
+    """What was assumed of layers, and what is not known of them, once it is made."""
 
     @property
     def name(self) -> str:
@@ -124,7 +127,9 @@ class Planned:
             made = build.load(tables, folder=self.product.folder, traced=traced)
             self.sources.extend(path for path in made.sources if path not in self.sources)
             sharp = made.specification.system.resolution == "layers"
-            return made.sharpened() if sharp else made.solve().bsdf, components_of_window(made)
+            bsdf, notes = described(made, made.sharpened() if sharp else made.solve().bsdf)
+            self.notes.extend(note for note in notes if note not in self.notes)
+            return bsdf, components_of_window(made)
         sample = trace.Sample(Recipe.of(tables), self.product.folder)
         keys = self.keys
         measured = (traced or trace.measure)(
@@ -152,7 +157,7 @@ class Planned:
                 return read(self.folder / given)
             made = build.load(self.folder / given if Path(given).suffix else given, traced=traced)
             self.sources.extend(made.sources)
-            return made.solve().bsdf
+            return described(made, made.solve().bsdf)[0]
         except FileNotFoundError:
             raise RecipeError(
                 f"family.without: {self.folder / given} does not exist (check it; it is relative to the specification)"

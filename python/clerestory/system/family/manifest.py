@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import tempfile
+from contextlib import suppress
 from dataclasses import asdict
 from itertools import pairwise
 from pathlib import Path
@@ -91,14 +93,14 @@ def write(
     xml: Target | None = None,
     curve: Curve | None = None,
 ) -> tuple[list[Path], list[str]]:
-    """Write the files of all states, each whole or not at all, and last the manifest.
+    """Write the files of all states, all of them or none, and last the manifest.
 
     Parameters
     ----------
     family
         What to write.
     folder
-        Made if it is not there. An older manifest in it is taken away first.
+        Made if it is not there; an older family in it is replaced.
     xml
         The program that XML files are for; Clerestory's own files, which hold every model, by default. In XML beams are
         part of the tables, and each file holds what is known of the product.
@@ -110,20 +112,22 @@ def write(
     The files, the manifest last, and what XML could not take of any state, each told once.
     """
     home = Path(folder)
+    is_new = not home.exists()
     home.mkdir(parents=True, exist_ok=True)
     *files, manifest = paths(family, home, xml=xml is not None)
-    manifest.unlink(missing_ok=True)
-    notes: list[str] = []
-    states = []
-    for state, path in zip(family.states, files, strict=True):
-        bsdf = state.bsdf
-        if xml is None:
-            bsdf.save(path)
-        else:
-            data = ProductData(state.components, family.parameter, state.value, None, curve, family.orientation)
-            notes += with_product(_tables(bsdf), data).write(path, target=xml)
-        entry = {"name": state.name, "value": state.value, "file": path.name, "sha256": sha256(path)}
-        states.append({**entry, "components": list(state.components)})
+    try:
+        # All states at once or none: a family of which some are old is no family.
+        with tempfile.TemporaryDirectory(prefix=".family-", dir=home) as place:
+            made = [Path(place) / path.name for path in files]
+            states, notes = _written(family, made, xml, curve)
+            manifest.unlink(missing_ok=True)
+            for path, final in zip(made, files, strict=True):
+                path.replace(final)
+    except BaseException:
+        if is_new:
+            with suppress(OSError):  # it is not empty if this ends while files get their names
+                home.rmdir()
+        raise
     content: dict[str, Any] = {
         "format": FORMAT,
         "version": 1,
@@ -140,6 +144,26 @@ def write(
         content["control_curve"] = asdict(curve)
     write_whole(manifest, (json.dumps(content, indent=1, ensure_ascii=False) + "\n").encode())
     return [*files, manifest], list(dict.fromkeys(notes))
+
+
+def _written(
+    family: Family, files: list[Path], xml: Target | None, curve: Curve | None
+) -> tuple[list[dict[str, Any]], list[str]]:
+    """Entries of the states, whose files are written, and what XML could not take."""
+    notes: list[str] = []
+    states: list[dict[str, Any]] = []
+    for state, path in zip(family.states, files, strict=True):
+        try:
+            if xml is None:
+                state.bsdf.save(path)
+            else:
+                data = ProductData(state.components, family.parameter, state.value, None, curve, family.orientation)
+                notes += with_product(_tables(state.bsdf), data).write(path, target=xml)
+        except ClerestoryError as error:
+            raise type(error)(f"state {state.name}: {str(error).removeprefix(f'{path}: ')}") from None
+        entry = {"name": state.name, "value": state.value, "file": path.name, "sha256": sha256(path)}
+        states.append({**entry, "components": list(state.components)})
+    return states, notes
 
 
 def read(path: str | os.PathLike[str]) -> Family:
