@@ -52,6 +52,7 @@ _GROUPS: dict[str, tuple[str, ...]] = {
         "check",
         "prepare",
         "fit",
+        "formula",
         "hybrid",
         "calibrate",
         "export",
