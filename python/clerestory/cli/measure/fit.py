@@ -61,6 +61,12 @@ def fit(
             help="auto, isotropic, quadrilateral, left-right, up-down, rotational (by 180°) or none.",
         ),
     ] = "auto",
+    lines: Annotated[
+        bool,
+        typer.Option(
+            "--lines", help="Turn scans along lines about the mirrored or straight direction (an assumption)."
+        ),
+    ] = False,
     channel: Annotated[
         list[str] | None, typer.Option("--channel", metavar="NAME", help="Only this channel; repeatable.")
     ] = None,
@@ -85,11 +91,12 @@ def fit(
     """Make a model of every pair of directions from scans of a few incident ones, and say how good it is.
 
     Scattered points become lobes, which move from where one incident direction has them to where the next one does. The
-    report has the error of each measured direction left out. Values beyond what was measured are extrapolated.
+    report has the error of each measured direction left out. Values beyond what was measured are extrapolated. For
+    formulas such as ABg see `clerestory measure formula`.
 
     Example: clerestory measure fit scans/ -o twill.bsdf.npz --symmetry rotational
     """
-    from clerestory.measure.interpolant import METHODS
+    from clerestory.measure.interpolant import METHODS, spread_lines
     from clerestory.measure.interpolant import fit as fitted
     from clerestory.measure.prepare.symmetry import SYMMETRIES
 
@@ -105,6 +112,10 @@ def fit(
     files = [Path(text) for text in inputs]
     refuse_overwriting(output, [file for file in files if file.exists()])
     measurement = _measurement(inputs, db, sample, choices_of(side, scatter, convention, column))
+    assumed: tuple[str, ...] = ()
+    if lines:
+        measurement, step = spread_lines(measurement)
+        assumed = step.warnings
     with progress("fit") as done:
         made = fitted(measurement, method=chosen_method, symmetry=chosen_symmetry, channels=channel, progress=done)
     bsdf = made.bsdf.with_metadata(name=made.sample) if made.sample else made.bsdf
@@ -129,11 +140,11 @@ def fit(
                 "method": made.method,
                 "written": output,
                 "components": components,
-                "warnings": [*made.warnings, *notes],
+                "warnings": [*assumed, *made.warnings, *notes],
             }
         )
         return
-    for text in (*made.warnings, *notes):
+    for text in (*assumed, *made.warnings, *notes):
         note(f"warning: {text}")
     for line in made.lines():
         say(line)
