@@ -335,7 +335,7 @@ def older(place: str) -> None:
 
 def test_an_older_schema_is_brought_up_to_date_on_request(database_place):
     older(database_place)
-    with pytest.raises(ClerestoryError, match=r"its schema, 1, is older than this program's, 2 \(keep a copy"):
+    with pytest.raises(ClerestoryError, match=r"its schema, 1, is older than this program's, 3 \(keep a copy"):
         Database.open(database_place)
     with Database.open(database_place, upgrade=True) as opened:
         opened.add(laboratory.contents(laboratory.scan()))

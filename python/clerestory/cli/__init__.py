@@ -48,6 +48,8 @@ _GROUPS: dict[str, tuple[str, ...]] = {
         "import",
         "list",
         "show",
+        "note",
+        "remove",
         "plot",
         "check",
         "prepare",

@@ -13,18 +13,23 @@ from clerestory.cli.common import (
     about,
     note,
     one_of,
+    plain,
     print_json,
     progress,
     refuse_overwriting,
     say,
     table,
 )
+from clerestory.cli.measure.inputs import measurement_of, words_of
+from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep, stem_of
 from clerestory.cli.measure.options import (
     ColumnOption,
     ConventionOption,
     DatabaseOption,
+    DateOption,
     FileScatterOption,
     FileSideOption,
+    LaboratoryOption,
     SampleOption,
     choices_of,
 )
@@ -33,20 +38,22 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from clerestory.bsdf import Bsdf
+    from clerestory.cli.measure.keeping import Kept
     from clerestory.measure.formula import Fitted
 
 _SUFFIXES = (".xml", ".xml.gz", ".bsdf.npz")
 
 
 def formula(
+    context: typer.Context,
     inputs: Annotated[
-        list[str],
+        list[str] | None,
         typer.Argument(
             metavar="FILE…|SAMPLE",
             help="Scans, lines among them: files, folders, or a sample of the database.",
             show_default=False,
         ),
-    ],
+    ] = None,
     *,
     model: Annotated[
         str,
@@ -81,6 +88,10 @@ def formula(
     resolution: Annotated[int, typer.Option(metavar="N", help="2^N cells an axis of the data set's tree.")] = 6,
     db: DatabaseOption = None,
     sample: SampleOption = None,
+    laboratory: LaboratoryOption = None,
+    date: DateOption = None,
+    note_: NoteOption = None,
+    keep_: KeepOption = True,
     side: FileSideOption = None,
     scatter: FileScatterOption = None,
     convention: ConventionOption = None,
@@ -95,7 +106,6 @@ def formula(
     Example: clerestory measure formula scans/ --model abg -o slat.bsdf.npz --picture slat.png
     """
     from clerestory.measure.formula import FORMULAS, fit_formula
-    from clerestory.measure.given import measurement_given
 
     name = model.lower() if model.lower() in FORMULAS else one_of(model, "--model", tuple(FORMULAS))
     degree = _order(order)
@@ -105,15 +115,17 @@ def formula(
         raise UsageError(f"--picture {picture}: not a kind of picture (give .png, .pdf or .svg)")
     if not 2 <= resolution <= 8:
         raise UsageError(f"--resolution {resolution}: a whole number from 2 to 8")
+    words = words_of(inputs, sample)
     for out in filter(None, (output, csv, picture)):
-        refuse_overwriting(out, [Path(text) for text in inputs])
+        refuse_overwriting(out, [Path(text) for text in words])
     choices = choices_of(side, scatter, convention, column)
-    measurement = measurement_given(inputs, sample=sample, database=db, **choices)
+    measurement = measurement_of(words, db, sample, choices, laboratory=laboratory, date=date)
     for text in measurement.warnings:
         note(f"warning: {text}")
     with progress("fit") as done:
         fits = fit_formula(measurement, name, order=degree, beam_deg=beam, channels=channel, progress=done)
-    written, warnings = [], []
+    written: list[Path] = []
+    warnings: list[str] = []
     if output is not None:
         with progress("convert") as done:
             bsdf, warnings = _data_set(fits, measurement.sample, output, basis, resolution, done)
@@ -132,7 +144,27 @@ def formula(
 
         save(draw(fits, measurement), picture)
         written.append(picture)
-    _tell(fits, measurement.sample, warnings, written, as_json=as_json)
+    kept = None
+    if keep_ and output is not None:
+        said = {
+            "model": name,
+            "order": order,
+            "beam": beam,
+            "channels": channel,
+            "basis": basis,
+            "resolution": resolution,
+            "laboratory": laboratory,
+            "date": date,
+            **choices,
+        }
+        figures = plain([_as_json(one) for one in fits])
+        what = "; ".join(line for one in fits for line in one.lines())
+        steps = [{"step": "formula", "what": what, "figures": figures, "warnings": warnings}]
+        settings = {key: value for key, value in said.items() if value is not None}
+        scans, notes = measurement.scans, [note_] if note_ else []
+        result = Made([output], stem_of(output), settings, steps, scans=scans, notes=notes)
+        kept = keep(context, result, words, db)
+    _tell(fits, measurement.sample, warnings, written, kept, as_json=as_json)
 
 
 def _order(text: str) -> int | Literal["auto"]:
@@ -175,7 +207,9 @@ def _rows(fits: Sequence[Fitted]) -> list[list[object]]:
     ]
 
 
-def _tell(fits: Sequence[Fitted], name: str, warnings: list[str], written: list[Path], *, as_json: bool) -> None:
+def _tell(
+    fits: Sequence[Fitted], name: str, warnings: list[str], written: list[Path], kept: Kept | None, *, as_json: bool
+) -> None:
     if as_json:
         print_json(
             {
@@ -183,6 +217,7 @@ def _tell(fits: Sequence[Fitted], name: str, warnings: list[str], written: list[
                 "components": [_as_json(one) for one in fits],
                 "warnings": warnings,
                 "written": written,
+                "kept": kept,
             }
         )
         return
@@ -207,6 +242,8 @@ def _tell(fits: Sequence[Fitted], name: str, warnings: list[str], written: list[
         note(f"warning: {text}")
     for path in written:
         note(f"wrote {path}")
+    if kept is not None:
+        note(kept.words)
 
 
 def _number(value: float, error: float) -> str:

@@ -9,6 +9,8 @@ import typer
 from clerestory.cli.common import UsageError, angle_pair, scatter_of, side_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from clerestory.measure.database import Database
 
 DatabaseOption = Annotated[
@@ -74,6 +76,15 @@ def incident_of(text: str | None) -> tuple[float | None, float | None]:
     if "," in text:
         return angle_pair(text, "--incident")
     return angle_pair(f"{text},0", "--incident")[0], None
+
+
+def thing(word: str, kinds: Sequence[str], command: str) -> tuple[str, int]:
+    """What a person means by `model:3`: its kind and its number."""
+    kind, _, number = word.partition(":")
+    if kind not in kinds or not number.isdigit():
+        listed = ", ".join(f"{one}:N" for one in kinds)
+        raise UsageError(f"{word}: not something to {command} (give {listed}; `clerestory measure list` has numbers)")
+    return kind, int(number)
 
 
 def open_database(given: str | None, *, upgrade: bool = False) -> Database:
