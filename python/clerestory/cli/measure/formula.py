@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, cast
 
@@ -247,7 +248,9 @@ def _tell(
 
 
 def _number(value: float, error: float) -> str:
-    return f"{value:.4g}" if error != error else f"{value:.4g} ± {error:.1g}"  # NaN is not itself
+    if math.isfinite(error):
+        return f"{value:.4g} ± {error:.1g}"
+    return "0" if value == 0.0 else f"{value:.4g} (limit)"
 
 
 def _toml(value: object) -> str:

@@ -30,6 +30,7 @@ class Number:
 
     name: str
     value: float
+    """0 for a level that nothing asked for."""
     standard_error: float
     """NaN where the data do not tell it: it stands at a limit."""
 
@@ -97,6 +98,9 @@ class Fitted:
             levels = {p.name: held[p.name] for p in (SPECULAR, DIFFUSE) if p.name in held}
             return {name: float(value) for name, value in {**named, **levels}.items()}
 
+        def shown(value: float) -> float:
+            return value if abs(value) > 2.0 * LEAST_LEVEL else 0.0
+
         here = usual(self.coefficients)
         known = np.isfinite(np.diag(self.covariance))
         slopes = np.zeros((len(here), len(known)))
@@ -108,7 +112,7 @@ class Fitted:
         covariance = np.where(np.isfinite(self.covariance), self.covariance, 0.0)
         errors = np.sqrt(np.maximum(np.einsum("ik,kl,il->i", slopes, covariance, slopes), 0.0))
         return tuple(
-            Number(name, value, float(error) if error > 0.0 else float("nan"))
+            Number(name, shown(value), float(error) if error > 0.0 else float("nan"))
             for (name, value), error in zip(here.items(), errors, strict=True)
         )
 

@@ -200,7 +200,8 @@ def _between(arms: Sequence[_Arm], u: Floats, around: Floats) -> Floats:
     for arm in arms:
         away = np.abs((around - arm.azimuth + np.pi) % (2.0 * np.pi) - np.pi)
         share = np.cos(np.minimum(power * away, 0.5 * np.pi)) ** 2
-        shares.append(np.where(u <= arm.u[-1] * 1.02, share, 1e-9 * share) + 1e-15)
+        # An arm that has ended counts only where all have.
+        shares.append(np.where(u <= arm.u[-1], share + 1e-6, 1e-12))
         rows.append(arm.at(u))
     weights = np.stack(shares)[:, :, None]
     return np.asarray((weights * np.stack(rows)).sum(axis=0) / weights.sum(axis=0))
