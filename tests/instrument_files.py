@@ -240,7 +240,7 @@ def material(phi_i=(0.0,), theta_i=(0.0, 0.4, 0.8), size=4, rgb=False, jacobian=
 
 
 def speos(scatter="reflection", version="v8.0", kind=1, end="\n"):
-    """SPEOS' anisotropic BSDF: two anisotropy angles with light from 0° and 40°; 0.5 of the light at 350 nm, 0.25 at 850.
+    """SPEOS' anisotropic BSDF: two anisotropy angles, light from 0° and 40°; 0.5 of it at 350 nm, 0.25 at 850.
 
     BSDF is 1, and 3 where straight or mirrored light of 40° goes.
     """

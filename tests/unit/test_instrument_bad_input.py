@@ -120,6 +120,7 @@ def test_half_of_a_file_is_refused_or_smaller(kind, name):
         ("reflet", (b"30\t4\t5", b"95\t4\t5"), "polar angle 95"),
         ("jdv", (b"-90\t1\t3\t4", b"-90\t1\t3"), "2 values where 3 polar angles"),
         ("jdv", (b"Incidence:\t30", b"Incidence:\tsteep"), "Incidence is 'steep'"),
+        ("speos", (b"v1.0", b"v7.0"), "not version v1.0"),
         ("speos_own", (b"v8.0\n0\n", b"v8.0\n1\n"), "a binary file"),
         ("speos_own", (b"1\t0\n1\n", b"1\t1\n1\n"), "reflection and transmission in one file are not read"),
         ("speos_own", (b"1\t0\n1\n", b"yes\n1\n"), "does not say whether there is reflection"),
