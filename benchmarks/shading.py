@@ -31,7 +31,7 @@ def _nearest(basis: Basis, theta_deg: float, phi_deg: float) -> int:
 
 
 def _ours(recipe: dict[str, Any]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Direct-hemispherical values by patch for light from the exterior: from the patches' middles, and from all over."""
+    """Direct-hemispherical values by patch for light from the exterior: from patches' middles, and from all over."""
     incident = BASIS.incident_centres("exterior")
     seen, _ = trace.scan(recipe, incident, trace.Settings(samples=SAMPLES, seed=6))
     bsdf = trace.measure(recipe, sides=("exterior",), samples=SAMPLES, seed=6)

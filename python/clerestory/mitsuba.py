@@ -1,7 +1,7 @@
 """Data sets as materials of Mitsuba 3, which renders them with any of its integrators, lights and shapes.
 
 A shape's normal is the data set's +z: it points into the room. Its +y is upwards along the shape, by the world's `up`
-or, without one, along the shape's texture coordinate v, as a rectangle has it. Both sides scatter, and beams stay beams.
+or, without one, along the shape's texture coordinate v, as a rectangle has it. Both sides scatter; beams stay beams.
 
 Mitsuba's path tracers ask where light comes from, given where it goes to; for them the reversed paths of the data set
 are drawn (`Model.reciprocal`), so that data which are not reciprocal are rendered as they are.
@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from clerestory.directions import Scatter, Side
 
     Floats = NDArray[np.float64]
+    Mask = NDArray[np.bool_]
 
 try:
     import drjit as dr
@@ -54,7 +55,7 @@ GRAZING = 1e-6
 """Cosines below this count as along the surface, where nothing is scattered."""
 
 
-def material(data: Bsdf, *, band: str | None = None, up: Sequence[float] | None = None) -> Any:  # noqa: ANN401 (mi.BSDF)
+def material(data: Bsdf, *, band: str | None = None, up: Sequence[float] | None = None) -> Any:
     """A material for scenes of Mitsuba's current variant.
 
     Parameters
@@ -94,7 +95,7 @@ def register(name: str = "clerestory") -> None:
         Name of the type.
     """
 
-    def made(properties: Any) -> Any:  # noqa: ANN401 (of Mitsuba)
+    def made(properties: Any) -> Any:
         if "filename" not in properties:
             raise ClerestoryError(f"a material of type {name!r} needs filename, that of a BSDF")
         band = properties.get("band", "") or None
@@ -115,14 +116,14 @@ def _variant() -> str:
 
 
 @cache
-def _kind(variant: str) -> Any:  # noqa: ANN401 (a class of Mitsuba's variant)
+def _kind(variant: str) -> Any:
     """The class of materials for a variant; Mitsuba has base classes for each."""
     del variant
 
     class Scattering(mi.BSDF):  # type: ignore[misc]
         """A data set."""
 
-        def __init__(self, properties: Any, data: Bsdf, band: str | None, up: Sequence[float] | None) -> None:  # noqa: ANN401
+        def __init__(self, properties: Any, data: Bsdf, band: str | None, up: Sequence[float] | None) -> None:
             mi.BSDF.__init__(self, properties)
             self.ways = Ways(data, band)
             self.up = None if up is None else mi.Vector3f(*up)
@@ -138,10 +139,10 @@ def _kind(variant: str) -> Any:  # noqa: ANN401 (a class of Mitsuba's variant)
                 for flag in (dr.JitFlag.SymbolicLoops, dr.JitFlag.SymbolicCalls, dr.JitFlag.SymbolicConditionals):
                     dr.set_flag(flag, False)
 
-        def sample(self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True) -> Any:  # noqa: ANN401
+        def sample(self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True) -> Any:
             del sample1
-            axes, wi = self._turned(ctx, si, si.wi)
-            drawn = self.ways.sample(ctx.mode == mi.TransportMode.Importance, wi, _rows(sample2), _mask(active))
+            axes, wi = self._seen(ctx, si, active)
+            drawn = self.ways.sample(wi, _rows(sample2), _mask(active), forward=ctx.mode == mi.TransportMode.Importance)
             names = ("GlossyReflection", "GlossyTransmission", "DeltaReflection", "DeltaTransmission")
             flags = np.array([int(getattr(mi.BSDFFlags, name)) for name in names], dtype=np.uint32)
             found = mi.BSDFSample3f()
@@ -152,35 +153,38 @@ def _kind(variant: str) -> Any:  # noqa: ANN401 (a class of Mitsuba's variant)
             found.sampled_type = _number(flags[drawn.component], np.uint32)
             return found, mi.UnpolarizedSpectrum(_number(drawn.weight))
 
-        def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:  # noqa: ANN401
+        def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
             return mi.UnpolarizedSpectrum(_number(self._asked(ctx, si, wo, active)[0]))
 
-        def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:  # noqa: ANN401
+        def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
             return _number(self._asked(ctx, si, wo, active)[1])
 
-        def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:  # noqa: ANN401
+        def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
             value, density = self._asked(ctx, si, wo, active)
             return mi.UnpolarizedSpectrum(_number(value)), _number(density)
 
         def to_string(self) -> str:
             return f"Clerestory[{self.ways.name}]"
 
-        def _asked(self, ctx: Any, si: Any, wo: Any, active: Any) -> tuple[Floats, Floats]:  # noqa: ANN401
-            axes, wi = self._turned(ctx, si, si.wi)
+        def _asked(self, ctx: Any, si: Any, wo: Any, active: Any) -> tuple[Floats, Floats]:
+            axes, wi = self._seen(ctx, si, active)
             forward = ctx.mode == mi.TransportMode.Importance
-            return self.ways.evaluate(forward, wi, _into(axes, _rows(wo)), _mask(active))
+            return self.ways.evaluate(wi, _into(axes, _rows(wo)), _mask(active), forward=forward)
 
-        def _turned(self, ctx: Any, si: Any, vector: Any) -> tuple[Floats | None, Floats]:  # noqa: ANN401
-            """The sample's +y in the shape's plane (n, 2), and a vector in the sample's frame (n, 3)."""
+        def _seen(self, ctx: Any, si: Any, active: Any) -> tuple[Floats | None, Floats]:
+            """The sample's +y in the shape's plane (n, 2), and where rays come from in the sample's frame (n, 3)."""
             if ctx.component != mi.BSDFContext().component or ctx.type_mask != mi.BSDFContext().type_mask:
                 raise ClerestoryError("a data set takes all its components together (leave the context as it is)")
             if self.up is None:
-                return None, _rows(vector)
+                return None, _rows(si.wi)
             upwards = _rows(si.to_local(self.up))[:, :2]
             length = np.linalg.norm(upwards, axis=1, keepdims=True)
-            if (length < GRAZING).any():
+            lying = length[:, 0] < GRAZING
+            if (lying & _mask(active)).any():
                 raise ClerestoryError("up is along the shape's normal (give another direction)")
-            return upwards / length, _into(upwards / length, _rows(vector))
+            # Rays that are not asked for may have no frame.
+            axes = np.divide(upwards, length, out=np.tile([0.0, 1.0], (len(upwards), 1)), where=~lying[:, None])
+            return axes, _into(axes, _rows(si.wi))
 
     return Scattering
 
@@ -224,7 +228,7 @@ class Ways:
             for phi in (0.0, 90.0, 180.0, 270.0)
         )
 
-    def evaluate(self, forward: bool, wi: Floats, wo: Floats, active: Floats) -> tuple[Floats, Floats]:  # noqa: FBT001
+    def evaluate(self, wi: Floats, wo: Floats, active: Mask, *, forward: bool) -> tuple[Floats, Floats]:
         """BSDF times cosine of `wo`, and density with which it is drawn, (n,) each."""
         wi, wo, active = _alike(wi, wo, active)
         value, density = np.zeros(len(wi)), np.zeros(len(wi))
@@ -235,7 +239,7 @@ class Ways:
             density[some] = asked.pdf(wi[some], wo[some])
         return value, density
 
-    def sample(self, forward: bool, wi: Floats, u: Floats, active: Floats) -> Drawn:  # noqa: FBT001
+    def sample(self, wi: Floats, u: Floats, active: Mask, *, forward: bool) -> Drawn:
         """Directions for uniform numbers (n, 2)."""
         wi, u, active = _alike(wi, u, active)
         drawn = Drawn(len(wi))
@@ -252,7 +256,7 @@ class Ways:
         return drawn
 
 
-def _alike(first: Floats, second: Floats, active: Floats) -> tuple[Floats, Floats, Any]:
+def _alike(first: Floats, second: Floats, active: Mask) -> tuple[Floats, Floats, Mask]:
     count = max(len(first), len(second), len(active))
     return (
         np.broadcast_to(first, (count, first.shape[1])),
@@ -277,23 +281,23 @@ def _from(axes: Floats | None, vectors: Floats) -> Floats:
     return vectors if axes is None else _into(np.column_stack([-axes[:, 0], axes[:, 1]]), vectors)
 
 
-def _rows(values: Any) -> Floats:  # noqa: ANN401 (Mitsuba's vectors, of one ray or many)
+def _rows(values: Any) -> Floats:
     """Vectors (n, k) in double precision."""
     array = np.array(values, dtype=np.float64)
     return array[None, :] if array.ndim == 1 else np.ascontiguousarray(array.T)
 
 
-def _mask(active: Any) -> Any:  # noqa: ANN401
+def _mask(active: Any) -> Mask:
     return np.atleast_1d(np.array(active, dtype=bool))
 
 
-def _vector(rows: Floats) -> Any:  # noqa: ANN401
+def _vector(rows: Floats) -> Any:
     if not dr.is_jit_v(mi.Float):
         return mi.Vector3f(*(float(x) for x in rows[0]))
     return mi.Vector3f(np.ascontiguousarray(rows.T, dtype=np.float32))
 
 
-def _number(values: Any, kind: type = np.float32) -> Any:  # noqa: ANN401
+def _number(values: Any, kind: type = np.float32) -> Any:
     if not dr.is_jit_v(mi.Float):
         return values[0].item()
     array = mi.Float if kind is np.float32 else mi.UInt32

@@ -116,6 +116,8 @@ def prepare(
     limit: float | Literal["auto"] = "auto" if grazing == "auto" else _number(grazing, "--grazing")
     words = words_of(inputs, sample)
     choices = choices_of(side, scatter, convention, column)
+    if preset is not None and "convention" in choices:
+        raise UsageError("--preset and --convention NAME say the same of angles twice (leave one out)")
     measurement = measurement_of(words, db, sample, choices, laboratory=laboratory, date=date)
     settings = Settings(
         convention=None if preset is None else one_of(preset, "--preset", _PRESETS),

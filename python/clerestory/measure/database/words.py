@@ -60,7 +60,8 @@ def about_sample(database: Database, sample: Sample) -> list[str]:
     names = {("file", file.id): f"{file.name}: " for file in files}
     for note in database.notes():
         if (note.subject, note.subject_id) in subjects:
-            lines.append(f"  {note.kind}: {names.get((note.subject, note.subject_id), '')}{note.text}")
+            author = f" ({note.author})" if note.author else ""
+            lines.append(f"  {note.kind}: {names.get((note.subject, note.subject_id), '')}{note.text}{author}")
     for model in database.models(sample=sample.name):
         of = counted(model.scans, "scan")
         of += f" and {counted(model.sphere_values, 'set')} of sphere values" if model.sphere_values else ""
