@@ -8,11 +8,12 @@ import pytest
 from clerestory import Basis, Bsdf, ClerestoryError, Model, direction
 from clerestory.directions import SCATTERS, SIDES, outgoing_side
 from clerestory.system import pane_from_normal
+from registry import CASES
 
 mi = pytest.importorskip("mitsuba", reason="Mitsuba is not installed (pip install mitsuba)")
 import drjit as dr  # noqa: E402
 
-from clerestory.mitsuba import material, register  # noqa: E402 (needs Mitsuba)
+from clerestory.mitsuba import Ways, material, register  # noqa: E402 (needs Mitsuba)
 
 COMPONENTS = [(side, scatter) for side in SIDES for scatter in SCATTERS]
 #: In 32 bits, and through a pinhole's pixel.
@@ -108,6 +109,20 @@ def test_a_matrix_under_the_sky(side, variant):
     np.testing.assert_allclose(seen(material(data), SKY, eye, integrator=DRAWN), expected, rtol=CLOSE)
     if "llvm" in variant:  # the other one takes its time
         np.testing.assert_allclose(seen(material(data), SKY, eye, samples=4000), expected, rtol=0.03)
+
+
+@pytest.mark.parametrize("variant", ["llvm_ad_rgb"], indirect=True)
+@pytest.mark.parametrize("name", CASES)
+def test_every_kind_of_model(name):
+    """What is seen of an even sky is what the data set sends there from all directions."""
+    data = CASES[name].bsdf
+    back = Ways(data, None).backward
+    for side in SIDES:
+        eye = direction(41.0, 93.0, side=side)
+        expected = sum(float(back.integrate(eye, scatter)) for scatter in SCATTERS)
+        found = seen(material(data), SKY, eye, samples=400, integrator=DRAWN)
+        # Weights are all alike but for what models draw by bounds of their values.
+        np.testing.assert_allclose(found, expected, rtol=0.05, atol=1e-6)
 
 
 def test_up_is_the_worlds():
