@@ -196,6 +196,8 @@ def test_from_scans_and_a_traced_file_on_the_command_line(tmp_path, monkeypatch,
     assert any("simulated light times" in text for text in made.metadata.comments)
     assert tmp_path.joinpath("film.png").stat().st_size > 10_000
     assert main([*words[:-1], "film.gif"]) == 2
+    assert main([*words, "--blend", "0"]) == 2
+    assert main([*words, "--resolution", "12"]) == 1
     assert main(["measure", "hybrid", "film.xml", "--with", "traced.bsdf.npz", "-o", "again.xml"]) == 2
     assert "--incident-limit" in capsys.readouterr().err
     assert not tmp_path.joinpath("again.xml").exists()
