@@ -59,7 +59,7 @@ _GROUPS: dict[str, tuple[str, ...]] = {
         "calibrate",
         "export",
     ),
-    "system": ("build", "rate", "curve", "export"),
+    "system": ("build", "rate", "curve", "family", "export"),
 }
 
 app = typer.Typer(
