@@ -38,6 +38,7 @@ _COMMANDS = (
     "photo-compare",
     "compare",
     "roundrobin",
+    "cache",
 )
 # Commands of a group, whose sentence is the docstring of its package.
 _GROUPS: dict[str, tuple[str, ...]] = {
@@ -53,11 +54,12 @@ _GROUPS: dict[str, tuple[str, ...]] = {
         "check",
         "prepare",
         "fit",
+        "formula",
         "hybrid",
         "calibrate",
         "export",
     ),
-    "system": ("build", "rate", "curve", "export"),
+    "system": ("build", "rate", "curve", "family", "export"),
 }
 
 app = typer.Typer(

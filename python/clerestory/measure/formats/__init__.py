@@ -26,6 +26,7 @@ FORMATS: tuple[str, ...] = (
     "integra",
     "integra_specular",
     "jdv",
+    "speos_own",
     "speos",
     "fred",
     "viavi",
