@@ -78,9 +78,20 @@ def load(path: str | os.PathLike[str]) -> Bsdf:
     path = Path(path)
     data = path.read_bytes()
     try:
-        return _Reader(data).bsdf()
+        return decode(data)
     except _core.ClerestoryError as error:
         raise _core.FileFormatError(f"{path}: {error}") from error
+
+
+def decode(data: bytes) -> Bsdf:
+    """The data set of a file's content.
+
+    Raises
+    ------
+    FileFormatError
+        It is damaged, or not of this format; the text names array and remedy.
+    """
+    return _Reader(data).bsdf()
 
 
 _MARKS: WeakKeyDictionary[Operations, str] = WeakKeyDictionary()
@@ -191,7 +202,7 @@ class _Reader:
     def __init__(self, data: bytes) -> None:
         try:
             self.archive = zipfile.ZipFile(io.BytesIO(data))
-        except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError, EOFError) as error:
+        except (zipfile.BadZipFile, OSError, ValueError, RuntimeError, EOFError) as error:
             raise _bad("it is not a sound ZIP file", error) from error
         members = self.archive.infolist()
         self.members = {m.filename: m for m in members}

@@ -14,26 +14,29 @@ from clerestory.cli.common import (
     about,
     note,
     one_of,
+    plain,
     print_json,
     progress,
     refuse_overwriting,
     say,
 )
+from clerestory.cli.measure.inputs import measurement_of, words_of
+from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep, stem_of
 from clerestory.cli.measure.options import (
     ColumnOption,
     ConventionOption,
     DatabaseOption,
+    DateOption,
     FileScatterOption,
     FileSideOption,
+    LaboratoryOption,
     SampleOption,
     choices_of,
-    open_database,
 )
 
 if TYPE_CHECKING:
     from clerestory.bsdf import Bsdf
-    from clerestory.measure import Measurement
-    from clerestory.measure.interpolant import Method
+    from clerestory.measure.interpolant import Fit, Method
     from clerestory.measure.prepare.symmetry import Symmetry
 
 _TREES = ("tensor3", "tensor4")
@@ -41,12 +44,13 @@ _SUFFIXES = (".xml", ".xml.gz", ".bsdf.npz")
 
 
 def fit(
+    context: typer.Context,
     inputs: Annotated[
-        list[str],
+        list[str] | None,
         typer.Argument(
             metavar="FILE…|SAMPLE", help="Files or folders of scans, or a sample of the database.", show_default=False
         ),
-    ],
+    ] = None,
     *,
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="OUT", help=".bsdf.npz, .xml or .xml.gz.", show_default=False)
@@ -61,6 +65,12 @@ def fit(
             help="auto, isotropic, quadrilateral, left-right, up-down, rotational (by 180°) or none.",
         ),
     ] = "auto",
+    lines: Annotated[
+        bool,
+        typer.Option(
+            "--lines", help="Turn scans along lines about the mirrored or straight direction (an assumption)."
+        ),
+    ] = False,
     channel: Annotated[
         list[str] | None, typer.Option("--channel", metavar="NAME", help="Only this channel; repeatable.")
     ] = None,
@@ -74,8 +84,18 @@ def fit(
         int, typer.Option(metavar="N", help="2^N cells an axis, for trees: 6 is 4,096 × 4,096, 7 is 16,384 × 16,384.")
     ] = 6,
     cull: Annotated[float, typer.Option(metavar="PCT", help="Percentage of a tree's finest blocks to merge.")] = 90.0,
+    report: Annotated[
+        Path | None,
+        typer.Option(
+            "--report", metavar="OUT", help="How good it is, with measured points beside the model: .html or .pdf."
+        ),
+    ] = None,
     db: DatabaseOption = None,
     sample: SampleOption = None,
+    laboratory: LaboratoryOption = None,
+    date: DateOption = None,
+    note_: NoteOption = None,
+    keep_: KeepOption = True,
     side: FileSideOption = None,
     scatter: FileScatterOption = None,
     convention: ConventionOption = None,
@@ -85,11 +105,13 @@ def fit(
     """Make a model of every pair of directions from scans of a few incident ones, and say how good it is.
 
     Scattered points become lobes, which move from where one incident direction has them to where the next one does. The
-    report has the error of each measured direction left out. Values beyond what was measured are extrapolated.
+    report has the error of each measured direction left out. Values beyond what was measured are extrapolated. A model
+    of scans of the database is kept there, with the way back to its points. For formulas such as ABg see `clerestory
+    measure formula`.
 
-    Example: clerestory measure fit scans/ -o twill.bsdf.npz --symmetry rotational
+    Example: clerestory measure fit twill --db lab.sqlite -o twill.bsdf.npz --symmetry rotational --report twill.html
     """
-    from clerestory.measure.interpolant import METHODS
+    from clerestory.measure.interpolant import METHODS, spread_lines
     from clerestory.measure.interpolant import fit as fitted
     from clerestory.measure.prepare.symmetry import SYMMETRIES
 
@@ -102,9 +124,19 @@ def fit(
         basis = "klems-full"
     if not 1 <= resolution <= 7:
         raise UsageError(f"--resolution {resolution}: a whole number from 1 to 7")
-    files = [Path(text) for text in inputs]
-    refuse_overwriting(output, [file for file in files if file.exists()])
-    measurement = _measurement(inputs, db, sample, choices_of(side, scatter, convention, column))
+    words = words_of(inputs, sample)
+    if report is not None:
+        if report.suffix.lower() not in (".html", ".pdf"):
+            raise UsageError(f"--report {report}: not a kind of report (give .html or .pdf)")
+        refuse_overwriting(report, [Path(text) for text in words])
+    refuse_overwriting(output, [Path(text) for text in words])
+    choices = choices_of(side, scatter, convention, column)
+    measurement = measurement_of(words, db, sample, choices, laboratory=laboratory, date=date)
+    raw = measurement.scans
+    assumed: tuple[str, ...] = ()
+    if lines:
+        measurement, step = spread_lines(measurement)
+        assumed = step.warnings
     with progress("fit") as done:
         made = fitted(measurement, method=chosen_method, symmetry=chosen_symmetry, channels=channel, progress=done)
     bsdf = made.bsdf.with_metadata(name=made.sample) if made.sample else made.bsdf
@@ -113,6 +145,32 @@ def fit(
             bsdf = _converted(bsdf, basis, resolution, cull, done)
     with about(output):
         notes = bsdf.write(output)
+    if report is not None:
+        from clerestory.measure.interpolant.report import write_report
+
+        write_report(report, made, measurement)
+    settings = {
+        "method": made.method,
+        "symmetry": symmetry,
+        "channels": channel,
+        "basis": basis,
+        "lines": lines or None,
+    }
+    if basis in _TREES:
+        settings |= {"resolution": resolution, "cull": cull}
+    settings |= {"laboratory": laboratory, "date": date, **choices}
+    kept = None
+    if keep_:
+        result = Made(
+            [output],
+            stem_of(output),
+            {key: value for key, value in settings.items() if value is not None},
+            _steps(made, basis, notes, assumed),
+            scans=raw,
+            report=report,
+            notes=[note_] if note_ else [],
+        )
+        kept = keep(context, result, words, db)
     if as_json:
         components = [
             asdict(component)
@@ -129,15 +187,32 @@ def fit(
                 "method": made.method,
                 "written": output,
                 "components": components,
-                "warnings": [*made.warnings, *notes],
+                "warnings": [*assumed, *made.warnings, *notes],
+                "report": report,
+                "kept": kept,
             }
         )
         return
-    for text in (*made.warnings, *notes):
+    for text in (*assumed, *made.warnings, *notes):
         note(f"warning: {text}")
     for line in made.lines():
         say(line)
-    note(f"wrote {output}")
+    for path in filter(None, (output, report)):
+        note(f"wrote {path}")
+    if kept is not None:
+        note(kept.words)
+
+
+def _steps(made: Fit, basis: str | None, notes: list[str], assumed: tuple[str, ...]) -> list[dict[str, object]]:
+    """What was done, for the database."""
+    figures = plain([asdict(component) for component in made.components])
+    steps: list[dict[str, object]] = [
+        *({"step": "lines", "what": text, "warnings": [text]} for text in assumed),
+        {"step": "fit", "what": "; ".join(made.lines()), "figures": figures, "warnings": list(made.warnings)},
+    ]
+    if basis is not None:
+        steps.append({"step": "conversion", "what": f"a table on {basis}", "warnings": notes})
+    return steps
 
 
 def _converted(bsdf: Bsdf, basis: str, resolution: int, cull: float, done: object) -> Bsdf:
@@ -148,27 +223,3 @@ def _converted(bsdf: Bsdf, basis: str, resolution: int, cull: float, done: objec
         rank = cast('Literal["tensor3", "tensor4"]', basis)
         return bsdf.to_tree(rank, resolution=resolution, reduce=cull, progress=call)
     return bsdf.to_matrix(Basis.named(basis), progress=call)
-
-
-def _measurement(inputs: list[str], db: str | None, sample: str | None, choices: dict[str, object]) -> Measurement:
-    """Scans of one sample, of files or of the database."""
-    from clerestory.measure import read
-
-    there = [text for text in inputs if Path(text).exists()]
-    if len(there) < len(inputs):
-        if there or len(inputs) > 1:
-            missing = next(text for text in inputs if text not in there)
-            raise UsageError(f"{missing}: no such file (give files and folders, or one sample of the database)")
-        with open_database(db) as database:
-            return database.measurement(inputs[0])
-    contents = read(inputs, **choices)  # type: ignore[arg-type]  # what a person says is checked there
-    for text in contents.warnings:
-        note(f"warning: {text}")
-    kept = [one for one in contents.measurements if sample in (None, one.sample)]
-    if not kept:
-        names = ", ".join(one.sample for one in contents.measurements) or "none"
-        raise UsageError(f"no scans of {sample or 'a sample'} in these files (samples there: {names})")
-    if len(kept) > 1:
-        names = ", ".join(one.sample for one in kept)
-        raise UsageError(f"scans of several samples: {names} (choose one with --sample)")
-    return kept[0]
