@@ -324,7 +324,8 @@ fn first_cells(points: &[Point], buckets: &Buckets<'_>) -> Vec<Cell> {
 
 /// Adds quarters to cells whose points are missed, if there are enough points about to tell where.
 fn divide(points: &[Point], weights: &[f64], rest: &[f64], buckets: &Buckets<'_>, cells: &mut Vec<Cell>) {
-    const MISSED: f64 = 1.0;
+    /// Mean square over what is allowed; noise alone comes to 1.
+    const MISSED: f64 = 1.5;
     const LEAST: usize = 14;
     for k in 0..cells.len() {
         let cell = &mut cells[k];
