@@ -137,7 +137,7 @@ def fit(
         from clerestory.measure.interpolant.report import write_report
 
         write_report(report, made, measurement)
-    settings = {"method": made.method, "symmetry": symmetry, "channels": channel, "basis": basis}
+    settings: dict[str, object] = {"method": made.method, "symmetry": symmetry, "channels": channel, "basis": basis}
     if basis in _TREES:
         settings |= {"resolution": resolution, "cull": cull}
     settings |= {"laboratory": laboratory, "date": date, **choices}
