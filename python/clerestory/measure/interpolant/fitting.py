@@ -16,8 +16,9 @@ from clerestory._core import ClerestoryError
 from clerestory.bsdf import Bsdf
 from clerestory.directions import SCATTERS, SIDES
 from clerestory.measure.interpolant.fitted import Component, Fit, HeldOut
+from clerestory.measure.interpolant.lines import is_line
 from clerestory.measure.prepare.noise import noise
-from clerestory.measure.prepare.step import same_light
+from clerestory.measure.prepare.step import light_in_words, same_light
 from clerestory.measure.prepare.symmetry import SYMMETRIES, chosen, scores
 from clerestory.measure.scan import Measurement
 from clerestory.model import Model
@@ -76,7 +77,8 @@ def fit(
     Raises
     ------
     ClerestoryError
-        There are too few points or incident directions, or the values are a detector's signal.
+        There are too few points or incident directions, they lie on lines (see `spread_lines`), or the values are a
+        detector's signal.
     """
     if method not in METHODS:
         raise ClerestoryError(f"method {method!r} is not known (give {', '.join(METHODS)})")
@@ -121,6 +123,7 @@ def _component(
     side, scatter = scans[0].incident_side, scans[0].scatter
     symmetry, reason = _symmetry(scans, band, wanted, warnings)
     groups = same_light(scans)
+    _refuse_lines(groups)
     measured = [_points(group, band, mirrored=symmetry == "isotropic") for group in groups]
     distributions = _core.Distributions(measured, progress)
     model = Model(distributions.model(symmetry, method, progress))
@@ -163,6 +166,15 @@ def _component(
         held,
     )
     return model, component
+
+
+def _refuse_lines(groups: Sequence[Sequence[Scan]]) -> None:
+    for group in groups:
+        if is_line(group):
+            raise ClerestoryError(
+                f"{light_in_words(group[0])}: points along a line say nothing of what lies beside it (assume that it"
+                " can be turned about the mirrored or straight direction: --lines; or fit a formula)"
+            )
 
 
 def _symmetry(
