@@ -33,8 +33,8 @@ from clerestory.cli.measure.options import (
 
 if TYPE_CHECKING:
     from clerestory.bsdf import Bsdf
-    from clerestory.measure import Measurement
     from clerestory.directions import Scatter, Side
+    from clerestory.measure import Measurement
     from clerestory.measure.interpolant import Fit, Method
     from clerestory.measure.prepare.symmetry import Symmetry
     from clerestory.measure.uncertainty import Uncertainty

@@ -44,10 +44,17 @@ class Errors:
     scatter: Floats
     """Variance of it by what is left of each point, noise included (n,)."""
 
-    @property
-    def lobes(self) -> Floats:
-        """Variance that the model's lobes add to that of the noise (n,)."""
-        return np.maximum(self.off**2 - self.noise, 0.0) + np.maximum(self.scatter - self.noise, 0.0)
+    def lobes(self, places: Floats | float) -> Floats:
+        """Variance that the model's lobes add to that of the noise (n,).
+
+        Parameters
+        ----------
+        places
+            Variance of the model by where its points happen to lie, noise included (n,).
+        """
+        return np.maximum(self.off**2 - self.noise, 0.0) + np.maximum(
+            np.maximum(self.scatter, places) - self.noise, 0.0
+        )
 
 
 @dataclass(frozen=True)

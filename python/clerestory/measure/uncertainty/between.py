@@ -2,7 +2,8 @@
 
 Where light goes smoothly from one measured direction to the next, the error grows with the square of the gap; where
 lobes are matched by chance, it does not. The model of half of the directions has gaps twice as wide: its difference to
-the model of all is the error of both, and is taken down by the root of the ratio of their squared gaps.
+the model of all is the error of both. For direct-hemispherical values, which go smoothly, it is taken down by the root
+of the ratio of their squared gaps; for single patches it is not, but for what is close to a measured direction.
 """
 
 from __future__ import annotations
@@ -69,6 +70,11 @@ def shrunk(inner: Between, outer: Between) -> float:
     if inner.beyond or inner.spread_deg2 <= 0.0:
         return 0.0
     return 1.0 if outer.beyond else float(np.sqrt(min(1.0, inner.spread_deg2 / outer.spread_deg2)))
+
+
+def by_chance(inner: Between, outer: Between) -> float:
+    """The same for single patches, whose errors are no smaller in the middle of a narrow gap than of a wide one."""
+    return min(1.0, float(np.sqrt(3.0)) * shrunk(inner, outer))
 
 
 def contrast(fluxes: Sequence[Floats], between: Between) -> Floats:

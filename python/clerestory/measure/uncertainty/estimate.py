@@ -11,12 +11,13 @@ from clerestory._core import ClerestoryError
 from clerestory.bsdf import Bsdf
 from clerestory.directions import angles, outgoing_side
 from clerestory.measure.interpolant.fitting import distributions_of
-from clerestory.measure.interpolant.residual import Errors, Residual
+from clerestory.measure.interpolant.residual import Residual
 from clerestory.measure.prepare.step import same_light
 from clerestory.measure.scan import Measurement
-from clerestory.measure.uncertainty.between import LeftOut, contrast, nearness, per_gap, pooled, shrunk
+from clerestory.measure.uncertainty.between import LeftOut, by_chance, contrast, nearness, per_gap, pooled, shrunk
 from clerestory.measure.uncertainty.budget import Budget
 from clerestory.measure.uncertainty.cone import blurred, cone_of
+from clerestory.measure.uncertainty.halves import split
 from clerestory.measure.uncertainty.neighbours import Neighbours, spread_out
 from clerestory.measure.uncertainty.patches import Patches
 from clerestory.measure.uncertainty.reach import beyond_points
@@ -99,10 +100,12 @@ class Uncertainty:
         named = [[_as_band(scan, component.band) for scan in group] for group in self._groups]
         mirrored = component.symmetry == "isotropic"
         self._residuals = [Residual.of(group, self.bsdf, "visible", mirrored=mirrored) for group in named]
-        self._errors: dict[tuple[int, bytes], Errors] = {}
+        self._errors: dict[tuple[int, bytes], tuple[Floats, Floats]] = {}
         self._fluxes: dict[bytes, tuple[Floats, Floats]] = {}
         self._near = nearness(self.patches.basis, outgoing_side(component.side, component.scatter))
         self._half = self._half_model(made.method)
+        self._split = split(self._groups, component.band, component.symmetry)
+        self._split_total = self._split_error()
 
     def at(self, incident: Floats) -> Budget:
         """The budget of light from one direction (3,) on the component's side."""
@@ -137,17 +140,35 @@ class Uncertainty:
     def _points(self, around: Between, of_total: dict[Cause, float], of_fluxes: dict[Cause, Floats]) -> None:
         noise, lobes = np.zeros(len(self.patches)), np.zeros(len(self.patches))
         total_noise = total_lobes = 0.0
-        for n, image, share in zip(around.scans, around.images, around.shares, strict=True):
+        for k, (n, image, share) in enumerate(zip(around.scans, around.images, around.shares, strict=True)):
+            vertex = self._vertex(around, k)
             own = self._residuals[n].total
+            held = float(self.bsdf.integrate(vertex[None], self.component.scatter)[0])
             total_noise += share**2 * float(own.noise[0])
-            total_lobes += share * float(own.lobes[0])
+            total_lobes += share * float(own.lobes((self._split_total * held) ** 2)[0])
             key = (int(n), np.round(image, 6).tobytes())
             if key not in self._errors:
-                self._errors[key] = self._residuals[n].over(self.patches, image)
-            noise += share**2 * self._errors[key].noise
-            lobes += share * self._errors[key].lobes
+                own = self._residuals[n].over(self.patches, image)
+                self._errors[key] = own.noise, own.lobes(self._split_patches(vertex))
+            noise += share**2 * self._errors[key][0]
+            lobes += share * self._errors[key][1]
         of_total["noise"], of_fluxes["noise"] = float(np.sqrt(total_noise)), np.sqrt(noise)
         of_total["lobes"], of_fluxes["lobes"] = float(np.sqrt(total_lobes)), np.sqrt(lobes)
+
+    def _split_error(self) -> float:
+        """Relative standard uncertainty of a direct-hemispherical value by the places of the points."""
+        first = np.array([group[0].incident for group in self._groups])
+        held = self.bsdf.integrate(first, self.component.scatter)
+        off = [b.integrate(first, self.component.scatter) / np.maximum(held, 1e-12) - 1.0 for b in self._split]
+        return float(np.sqrt(np.mean(np.min(np.abs(off), axis=0) ** 2))) if off else 0.0
+
+    def _split_patches(self, vertex: Floats) -> Floats:
+        """Variance of the fluxes into patches (patches,) by the places of the points, in a measured direction."""
+        if not self._split:
+            return np.zeros(len(self.patches))
+        fluxes = self._of(self.bsdf, vertex)[1]
+        off = np.min([np.abs(self._of(b, vertex)[1] - fluxes) for b in self._split], axis=0)
+        return pooled(off, fluxes, self._near) ** 2
 
     def _coverage(
         self,
@@ -197,7 +218,7 @@ class Uncertainty:
         of_total["interpolation"] = max(self._half.per_gap * total * around.spread_deg2, less * abs(other - total))
         common = of_total["interpolation"] / total * fluxes if total > 0.0 else 0.0
         off = self._of(self._half.bsdf, incident)[1] - fluxes
-        of_fluxes["interpolation"] = np.hypot(common, less * pooled(off, fluxes, self._near))
+        of_fluxes["interpolation"] = np.hypot(common, by_chance(around, wide) * pooled(off, fluxes, self._near))
 
     def _half_model(self, method: str) -> _Half | None:
         """The model of half of the incident directions, and how well it foretells the others."""
