@@ -10,6 +10,14 @@ import postgres
 from samples import ABSENT, sample_root
 
 
+@pytest.fixture(scope="session", autouse=True)
+def own_cache(tmp_path_factory):
+    """Nothing is kept in the cache of the person who runs the tests, or taken from it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("CLERESTORY_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
 @pytest.fixture(scope="session")
 def sample_data() -> Path:
     """The folder of the sample data; skips where it is absent."""

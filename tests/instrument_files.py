@@ -239,6 +239,49 @@ def material(phi_i=(0.0,), theta_i=(0.0, 0.4, 0.8), size=4, rgb=False, jacobian=
     return fields
 
 
+def speos(scatter="reflection", version="v8.0", kind=1, end="\n"):
+    """SPEOS' anisotropic BSDF: two anisotropy angles, light from 0° and 40°; 0.5 of it at 350 nm, 0.25 at 850.
+
+    BSDF is 1, and 3 where straight or mirrored light of 40° goes.
+    """
+    polars = [0.0, 20.0, 40.0, 60.0, 80.0, 90.0]
+    azimuths = list(range(0, 361, 30))
+    lines = [f"OPTIS - Anisotropic BSDF surface file {version}", "0", "a comment", "12", "paint, white", "1\t0\t0"]
+    lines += ["1\t0" if scatter == "reflection" else "0\t1", str(kind), "2", "0\t90"]
+    lines += ["2", "0\t40", "2", "0\t40", "0\t0", "", "2", "350\t50", "850\t25"]
+    for _ in range(2):
+        for theta in (0, 40):
+            lines += [f"{len(polars)} {len(azimuths)}", "\t" + "\t".join(map(str, azimuths))]
+            for polar in polars if scatter == "reflection" else polars[::-1]:
+                shown = polar if scatter == "reflection" else 180.0 - polar
+                cosine = 1.0 if kind == 1 else float(np.cos(np.radians(polar)))
+                row = [cosine * (3.0 if polar == theta == 40 and a % 360 == 0 else 1.0) for a in azimuths]
+                lines.append("\t".join([f"{shown:g}", *(f"{value:.6g}" for value in row)]))
+    return end.join([*lines, "End of file", ""]).encode()
+
+
+def speos_spectral(end="\n"):
+    """SPEOS' spectral BRDF: light from 0° and 30°, two wavelengths, even; 0.4 and 0.8 of the light."""
+    azimuths = list(range(0, 361, 45))
+    lines = [
+        "OPTIS - brdf surface file v9.0",
+        "0",
+        "Scattering surface",
+        "0",
+        "",
+        "1\t0",
+        "1",
+        "2\t2",
+        "0\t30",
+        "450\t650",
+    ]
+    for _ in range(2):
+        for percent in (40, 80):
+            lines += [str(percent), f"4\t{len(azimuths)}", "\t" + "\t".join(map(str, azimuths))]
+            lines += ["\t".join([str(polar), *["2"] * len(azimuths)]) for polar in (0, 30, 60, 90)]
+    return end.join([*lines, ""]).encode()
+
+
 GOLDEN = {
     "zemax": {
         "a.bsdf": zemax(),
@@ -249,6 +292,11 @@ GOLDEN = {
     "reflet": {"mesh.txt": REFLET, "slice.txt": SLICE},
     "jdv": {"a.jdv": JDV},
     "speos": {"a.rtd": SPEOS},
+    "speos_own": {
+        "r.anisotropicbsdf": speos(),
+        "t.anisotropicbsdf": speos("transmission", "v7.0", 0, "\r\n"),
+        "s.brdf": speos_spectral(),
+    },
     "integra": {"a.ddr": DDR, "b.ddt": DDT},
     "integra_specular": {"a.sdr": SDR},
     "ssdd": {"a.ssdd": SSDD, "half.ssdd": HALF, "binary.ssdd": HALF_BINARY},

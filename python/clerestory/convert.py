@@ -242,6 +242,16 @@ class Operations:
         """
         return type(self)(self._core.with_near_infrared(visible_share))
 
+    def only_band(self, name: str) -> Self:
+        """With one of its bands alone.
+
+        Raises
+        ------
+        MissingDataError
+            There is no such band.
+        """
+        return type(self)(self._core.with_bands([name]))
+
     def renamed_band(self, old: str, new: str) -> Self:
         """With a band under another name, in lower case."""
         return type(self)(self._core.with_renamed_band(old, new))

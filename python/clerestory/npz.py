@@ -78,9 +78,20 @@ def load(path: str | os.PathLike[str]) -> Bsdf:
     path = Path(path)
     data = path.read_bytes()
     try:
-        return _Reader(data).bsdf()
+        return decode(data)
     except _core.ClerestoryError as error:
         raise _core.FileFormatError(f"{path}: {error}") from error
+
+
+def decode(data: bytes) -> Bsdf:
+    """The data set of a file's content.
+
+    Raises
+    ------
+    FileFormatError
+        It is damaged, or not of this format; the text names array and remedy.
+    """
+    return _Reader(data).bsdf()
 
 
 _MARKS: WeakKeyDictionary[Operations, str] = WeakKeyDictionary()

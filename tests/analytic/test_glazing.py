@@ -196,9 +196,17 @@ def test_what_is_wrong_with_a_pane_is_said(tmp_path):
         Glazing([dark]).curves(0.0)
     for text, message in (
         ("", "empty"),
-        ("{ Thickness } 3\n0.3 0.1 0.2\n", "line 2: 4 finite"),
-        ("{ Thickness } 3\n0.3 0.1 0.2 x\n", "line 2: .*not numbers"),
-        ('{"type": "glazing"', "line 1: not JSON"),
+        ("{ Thickness } 3\n0.3 0.1 0.2 0.2\n", "name no unit of wavelengths"),
+        ("{ Units } SI Microns\n0.3 0.1 0.2\n", "line 2: 3 numbers instead of 4"),
+        ("{ Units } SI Microns\n0.3 0.1 0.2 x\n", "line 2: .*'x', not a number"),
+        ("{ Units } SI Microns\n0.3 0.1 0.2 0.2\n0.3 0.1 0.2 0.2\n", "line 3: wavelengths do not rise"),
+        ('{"type": "glazing"', "line 1: no JSON"),
+        ('{"measured_data": {}, "spectral_data": {"spectral_data": []}}', "no spectra along the normal"),
+        (
+            '{"name": "p", "measured_data": {}, "spectral_data": {"spectral_data": '
+            '[{"wavelength": 0.3, "T": 0.1, "Rf": 0.1}]}}',
+            "Rb of p at 300 nm is missing",
+        ),
         ('{"type": "shading", "measured_data": {}}', "not a pane"),
         ("wavelength_nm,T,Rf\n300,0,0\n", "no column Rb"),
         ("lambda,T,Rf,Rb\n300,0,0,0\n", "head it wavelength_nm"),

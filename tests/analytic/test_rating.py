@@ -1,5 +1,8 @@
 """Figures of EN 14500 and classes of EN 14501 on systems that are known."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -114,7 +117,31 @@ def test_limits_that_are_not_public_are_asked_for(tmp_path):
     )
     with pytest.raises(RecipeError, match=r"mine\.toml.*classes"):
         edition(path)
+    with pytest.raises(RecipeError, match=r"5 is no class \(give 0 to 4\)"):
+        edition(_written(path, path.read_text(encoding="utf-8").replace("[4]", "[5, 0]")))
     with pytest.raises(ClerestoryError, match="g_total"):
         classify({"g_total": 0.2}, LIMITS)
     with pytest.raises(ClerestoryError, match="no share"):
         classify({"g_tot": np.inf}, LIMITS)
+
+
+def _written(path, text):
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_the_file_of_limits_that_the_guide_shows(tmp_path):
+    """Rows of another edition may begin elsewhere, and be more or fewer."""
+    guide = (Path(__file__).parents[2] / "docs" / "systems.md").read_text(encoding="utf-8")
+    (text,) = (block for block in re.findall(r"```toml\n(.*?)```", guide, re.DOTALL) if "by_openness" in block)
+    limits = edition(_written(tmp_path / "mine.toml", text))
+    (grid,) = limits.by_openness
+    for straight, row in ((0.0, 0), (0.01, 1), (0.02, 2), (0.03, 2), (0.031, 3)):
+        ratings = classify({"tau_v_n-n": straight, "tau_v_n-dif": 0.5, "g_tot": 0.2}, limits)
+        assert {r.criterion: r.number for r in ratings} == {
+            "glare control": grid.rows[row][-1],
+            "solar gain": 2,
+        }
+    short = text.replace("openness = [0.005, 0.01, 0.03]", "openness = [0.005, 0.01]")
+    with pytest.raises(RecipeError, match="one more than limits of openness, 3"):
+        edition(_written(tmp_path / "mine.toml", short))

@@ -6,7 +6,7 @@ import pytest
 from clerestory import Basis, Bsdf, ClerestoryError, MissingDataError, Model
 from clerestory.directions import direction
 from clerestory.integrals import hemispherical
-from clerestory.system import pane, pane_from_normal, stack
+from clerestory.system import Layer, Window, pane, pane_from_normal, stack
 
 BASIS = Basis.named("klems-half")
 AREA = BASIS.projected_solid_angles
@@ -207,3 +207,19 @@ def test_panes_by_extinction_and_by_absorption_agree():
         np.testing.assert_allclose(
             by_extinction.integrate(towards, scatter), by_absorption.integrate(towards, scatter), rtol=1e-12
         )
+
+
+@pytest.mark.parametrize("side", ["exterior", "interior"])
+def test_windows_solve_what_stacks_solve(side):
+    """The two solvers: of data sets in the core, and of a window's wavelengths."""
+    glass, cloth = pane(1.52, internal_transmittance=0.95), bsdf(shade(8))
+    stacked = stack([glass, cloth, glass], BASIS)
+    layers = [Layer(f"layer {k}", bsdf=layer) for k, layer in enumerate((glass, cloth, glass))]
+    window = Window(layers).solve(BASIS)
+    for scatter in ("transmission", "reflection"):
+        np.testing.assert_allclose(
+            classic(window.bsdf, side, scatter), classic(stacked.bsdf, side, scatter), rtol=1e-9, atol=1e-12
+        )
+    np.testing.assert_allclose(
+        window.absorptance("visible", side), stacked.absorptance("visible", side), rtol=0, atol=1e-12
+    )

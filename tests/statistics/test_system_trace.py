@@ -1,4 +1,4 @@
-"""Layers put together against rays traced through the same stack: panes and blinds.
+"""Layers put together against rays traced through the same stack: panes with blinds, cloth and screens.
 
 Gaps are wide against the period of what scatters, so that a beam that comes back meets it anywhere, as layering takes
 it.
@@ -14,6 +14,7 @@ BASIS = Basis.named("klems-full")
 PATHS = 1 << 13
 MEDIA = {"glass": {"index": 1.52, "absorption_per_m": 8.0}}
 MATERIALS = {"paint": {"kind": "lambertian", "reflectance": 0.6}}
+YARN = {"per_cm": 10.0, "width_mm": 0.35, "thickness_mm": 0.2, "material": "paint"}
 PANE = {"kind": "pane", "thickness_mm": 6.0, "medium": "glass"}
 SHADES = {
     "open blind": {
@@ -27,6 +28,14 @@ SHADES = {
         "pitch_mm": 12.0,
         "tilt_deg": 25.0,
         "slat": {"width_mm": 16.0, "upper": "paint", "lower": "paint"},
+    },
+    "cloth": {"kind": "woven-fabric", "weave": "plain", "warp": YARN, "weft": YARN},
+    "screen": {
+        "kind": "perforated-screen",
+        "pitch_mm": 4.0,
+        "hole_mm": 3.0,
+        "thickness_mm": 0.5,
+        "exterior": "paint",
     },
 }
 
@@ -68,7 +77,7 @@ def test_direct_hemispherical_values_and_peaks(both, side):
     beam, error = traced.integrate_with_error(centres, "transmission", part="direct")
     error = np.sqrt(2.0) * error  # of the traced layer too
     found = sharp.integrate(incident, "transmission", part="direct").mean(axis=-1)
-    assert beam.max() > 0.5
     strong = beam > 0.05
+    assert beam.max() > 0.35
     assert (np.abs(found - beam) <= 0.01 * beam + 3.5 * error)[strong].all()
     assert found[strong].mean() == pytest.approx(beam[strong].mean(), rel=0.005)

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import typer
 
 from clerestory import ClerestoryError
-from clerestory.cli import main
+from clerestory.cli import _COMMANDS, _GROUPS, app, main
 from clerestory.cli.common import (
     CommandError,
     UsageError,
@@ -26,16 +27,47 @@ from clerestory.cli.common import (
     table,
     write_whole,
 )
+from clerestory.cli.lazy import loaded
 
 
 def test_help_answers_without_the_heavy_libraries():
     code = (
-        "import sys; from clerestory.cli import main; main(['--help']);"
-        "print(sorted({'numpy', 'matplotlib', 'jinja2', 'clerestory._core'} & set(sys.modules)))"
+        "import sys; from clerestory.cli import main; main(['--help']); main(['measure', '--help']);"
+        "heavy = {'numpy', 'scipy', 'matplotlib', 'jinja2', 'clerestory._core', 'clerestory.cli.annual'};"
+        "print(sorted(heavy & set(sys.modules)))"
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert out.splitlines()[-1] == "[]"
     assert "Usage: clerestory" in out
+    assert "Usage: clerestory measure" in out
+
+
+def test_listed_sentences_are_those_of_the_commands():
+    top = typer.main.get_command(app)
+    for group, package, names in (
+        (top, "clerestory.cli", _COMMANDS),
+        *((top.commands[name], f"clerestory.cli.{name}", members) for name, members in _GROUPS.items()),
+    ):
+        assert list(group.commands)[: len(names)] == list(names)
+        for name in names:
+            command = loaded(package, name)
+            assert command.help
+            assert group.commands[name].help == command.help
+            assert "Example: clerestory" in command.epilog
+
+
+def test_words_are_completed(monkeypatch, capsys):
+    monkeypatch.setenv("_CLERESTORY_COMPLETE", "complete_bash")
+    for words, place, wanted in (
+        ("clerestory an", 1, ["annual"]),
+        ("clerestory measure im", 2, ["import"]),
+        ("clerestory annual --cr", 2, ["--critical"]),
+    ):
+        monkeypatch.setenv("COMP_WORDS", words)
+        monkeypatch.setenv("COMP_CWORD", str(place))
+        with pytest.raises(SystemExit):
+            main([])
+        assert capsys.readouterr().out.split() == wanted
 
 
 def test_module_runs_as_a_program():

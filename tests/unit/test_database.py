@@ -196,7 +196,7 @@ def test_a_model_leads_back_to_its_raw_points(database):
 
 def test_a_model_of_what_is_not_there_is_refused_whole(database):
     database.add(laboratory.contents(laboratory.scan()))
-    prepared = laboratory.scan().as_bsdf()
+    prepared = dataclasses.replace(laboratory.scan().as_bsdf(), source=None)  # which no file tells of
     told = {"file_name": "x.bsdf.npz", "command": "fit"}
     with pytest.raises(ClerestoryError, match=r"not in the database \(import its file first"):
         database.add_model("twill", "m", b"x", scans=[prepared], **told)
@@ -207,7 +207,73 @@ def test_a_model_of_what_is_not_there_is_refused_whole(database):
     assert database.models() == []
     database.add_model("twill", "m", b"x", scans=[laboratory.scan()], **told)
     with pytest.raises(ClerestoryError, match="choose another name"):
-        database.add_model("twill", "m", b"x", scans=[laboratory.scan()], **told)
+        database.add_model("twill", "m", b"another", scans=[laboratory.scan()], **told)
+    assert database.unused_name("twill", "m") == "m 2"
+
+
+def test_the_same_model_twice_is_one_copy(database):
+    database.add(laboratory.contents(laboratory.scan()))
+    told = {"file_name": "x.bsdf.npz", "command": "fit", "scans": [laboratory.scan()]}
+    number = database.add_model("twill", "m", b"x", **told)
+    assert database.add_model("twill", "m 2", b"x", **told) == number
+    assert len(database.models()) == 1
+    report = database.add_report("r", b"y", file_name="r.html", models=[number])
+    assert database.add_report("r 2", b"y", file_name="r.html", models=[number]) == report
+    with pytest.raises(ClerestoryError, match="there is a report 'r'"):
+        database.add_report("r", b"z", file_name="r.html", models=[number])
+
+
+def test_measured_values_are_found_again(database):
+    scans = (laboratory.scan(0.0), laboratory.scan(40.0), laboratory.scan(60.0, of="b.txt"))
+    database.add(laboratory.contents(*scans, spheres=[laboratory.sphere()]), conditions={"operator": "Jo"})
+    # What a person said at the import changed what the scans hold; the file still tells.
+    found = database.origin([scans[1], scans[2]], [laboratory.sphere()])
+    assert (found.samples, found.scans, found.sphere_values) == (("twill",), (2, 3), (1,))
+    raw = database.measurement("twill").scans
+    assert database.origin([dataclasses.replace(raw[0], source=None)]).scans == (1,)
+    stranger = laboratory.scan(10.0, of="c.txt", seed=7)
+    assert database.origin([stranger, raw[0]]).unknown == ("c.txt",)
+
+
+def test_a_model_of_prepared_scans_leads_back_to_the_raw_ones(database):
+    database.add(laboratory.contents(laboratory.scan(0.0), laboratory.scan(40.0), spheres=[laboratory.sphere()]))
+    raw = database.measurement("twill").scans
+    written = laboratory.source("prepared.txt")
+    prepared = database.add_model(
+        "twill",
+        "prepared",
+        b"zip",
+        file_name="prepared.zip",
+        scans=raw,
+        command="prepare",
+        kind="scans",
+        steps=[{"step": "noise", "what": "all are kept", "warnings": ["few points"]}],
+        files={written.name: written.sha256},
+    )
+    assert database.made_as(written.sha256) == prepared
+    read = [dataclasses.replace(laboratory.scan(0.0, seed=9), source=written)]
+    assert database.origin(read).parents == (prepared,)
+    model = database.add_model(
+        "twill",
+        "m",
+        b"x",
+        file_name="x.xml",
+        scans=read,
+        sphere_values=database.sphere_values("twill"),
+        command="calibrate",
+    )
+    found = database.provenance(model)
+    assert [scan.id for scan in found.scans] == [1, 2]
+    assert len(found.sphere_values) == 1
+    assert found.model.parents == (prepared,)
+    assert database.provenance(prepared).model.steps[0]["step"] == "noise"
+    text = "\n".join(database.provenance(prepared).lines())
+    assert "step noise: all are kept" in text
+    assert "warning: few points" in text
+    with pytest.raises(ClerestoryError, match=f"model 'm' was made of model {prepared}"):
+        database.remove("model", prepared)
+    database.remove("model", model)
+    database.remove("model", prepared)
 
 
 def test_nothing_is_removed_under_a_model(database):
@@ -335,7 +401,7 @@ def older(place: str) -> None:
 
 def test_an_older_schema_is_brought_up_to_date_on_request(database_place):
     older(database_place)
-    with pytest.raises(ClerestoryError, match=r"its schema, 1, is older than this program's, 2 \(keep a copy"):
+    with pytest.raises(ClerestoryError, match=r"its schema, 1, is older than this program's, 3 \(keep a copy"):
         Database.open(database_place)
     with Database.open(database_place, upgrade=True) as opened:
         opened.add(laboratory.contents(laboratory.scan()))

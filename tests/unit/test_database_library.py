@@ -40,6 +40,8 @@ def test_models_are_published_with_all_that_is_known(database, tmp_path):
     database.describe_sample("twill", thickness_mm=0.5, description="a screen / of one kind", symmetry="none")
     add(database, "patches", encode(diffuse().to_matrix("klems-full")))
     add(database, "fine", encode(diffuse(0.4).to_tree("tensor4", resolution=3)))
+    scans = database.measurement("twill").scans
+    database.add_model("twill", "prepared", b"zip", file_name="p.zip", scans=scans, command="prepare", kind="scans")
     published, paths = publish(database, tmp_path / "library")
     assert sorted(path.name for path in paths) == [
         "catalogue.html",
@@ -53,6 +55,8 @@ def test_models_are_published_with_all_that_is_known(database, tmp_path):
         assert float(bsdf.integrate(np.array([0.0, 0.0, -1.0]), "transmission")) == pytest.approx(value, rel=1e-4)
         known = bsdf.metadata
         assert (known.name, known.manufacturer, known.thickness_m) == ("twill", "MechoShade", pytest.approx(0.0005))
+    # Prepared scans are no models.
+    assert [one.name for one in database.models() if one.kind == "scans"] == ["prepared"]
     models = json.loads((tmp_path / "library" / "catalogue.json").read_text())["models"]
     assert [model["name"] for model in models] == ["patches", "fine"]
     assert models[0]["laboratories"] == ["HSLU"]
@@ -68,7 +72,7 @@ def test_models_are_published_with_all_that_is_known(database, tmp_path):
 
 def test_names_of_files_do_not_clash(database, tmp_path):
     add(database, "a/b", encode(diffuse().to_matrix("klems-quarter")))
-    add(database, "a:b", encode(diffuse().to_matrix("klems-quarter")))
+    add(database, "a:b", encode(diffuse(0.4).to_matrix("klems-quarter")))
     _, paths = publish(database, tmp_path / "library")
     assert {path.name for path in paths} >= {"twill_a_b.xml", "twill_a_b_2.xml"}
 

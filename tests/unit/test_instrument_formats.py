@@ -8,6 +8,7 @@ import pytest
 
 import instrument_files as files
 from clerestory._core import ClerestoryError, FileFormatError
+from clerestory.integrals import continued
 from clerestory.measure.formats import FORMATS, UnknownFormatError, all_formats
 from samples import ABSENT, sample_root
 
@@ -164,6 +165,40 @@ def test_exports_for_speos_give_the_measured_table_only():
     assert (only(said).scans[0].incident_theta_deg, said.warnings) == (45.0, ())
     with pytest.raises(FileFormatError, match="incident_theta_deg"):
         read("speos", files.SPEOS.replace(b"Sample 60", b"no number"))
+
+
+@pytest.mark.parametrize(("scatter", "kind"), [("reflection", 1), ("transmission", 0), ("transmission", 1)])
+def test_speos_own_files_have_the_stated_level_and_straight_light_at_azimuth_0(scatter, kind):
+    data = files.speos(scatter, kind=kind)
+    scans = only(read("speos_own", data)).scans
+    assert [(s.incident_theta_deg, round(s.incident_phi_deg) % 360, s.scatter) for s in scans] == [
+        (0.0, 90, scatter),
+        (40.0, 90, scatter),
+        (0.0, 180, scatter),
+        (40.0, 180, scatter),
+    ]
+    for scan in scans:
+        assert scan.channels == ("350 nm", "850 nm")
+        bsdf = scan.as_bsdf()
+        even = np.median(bsdf.values, axis=0)
+        # Light from 0° is even, and half and a quarter of it leave.
+        np.testing.assert_allclose(even, [0.5 / np.pi, 0.25 / np.pi], rtol=2e-3)
+        if scan.incident_theta_deg:
+            brightest = bsdf.outgoing[int(np.argmax(bsdf.values[:, 0]))]
+            np.testing.assert_allclose(brightest, continued(scan.incident, scatter), atol=1e-9)
+            assert bsdf.values[:, 0].max() == pytest.approx(3.0 * even[0], rel=1e-4)
+
+
+def test_speos_spectral_files_have_a_level_a_wavelength():
+    scans = only(read("speos_own", files.speos_spectral(), "s.brdf")).scans
+    assert [(s.incident_theta_deg, s.channels) for s in scans] == [
+        (0.0, ("450 nm",)),
+        (0.0, ("650 nm",)),
+        (30.0, ("450 nm",)),
+        (30.0, ("650 nm",)),
+    ]
+    np.testing.assert_allclose(scans[0].values, 0.4 / np.pi, rtol=2e-3)
+    np.testing.assert_allclose(scans[1].values, 0.8 / np.pi, rtol=2e-3)
 
 
 def test_integra_luminance_is_a_radiance_factor_and_intensity_has_the_cosine():

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from clerestory import ClerestoryError, MissingDataError
+from clerestory import Bsdf, ClerestoryError, MissingDataError, Model
 from clerestory.cli import main
 from clerestory.directions import angles, direction
 from clerestory.integrals import continued
@@ -154,6 +154,34 @@ def test_reflection_is_seen_from_the_room_too():
     assert (float(theta), float(phi)) == pytest.approx((40.0, 180.0))
 
 
+def test_points_beside_a_model():
+    bsdf = Bsdf.from_models({("exterior", "transmission"): Model.lambertian(0.1 * np.pi)})
+    figure = measured.beside_figure(ONE, bsdf, label="Twill", scale="linear", azimuth_deg=0.0)
+    points, disk, cut = figure.axes[0], figure.axes[1], next(ax for ax in figure.axes if ax.get_xlabel())
+    assert len(points.collections[0].get_offsets()) == sum(int((scan.theta_deg <= 85.0).sum()) for scan in ONE)
+    (image,) = disk.images
+    shown = np.ma.masked_invalid(image.get_array())
+    assert shown.mask.any()  # the ring at the horizon is left out
+    assert float(shown.max()) == pytest.approx(0.1)
+    # Both have one scale, and the cut has the floor that was measured on the model.
+    assert image.norm.vmax == points.collections[0].norm.vmax == pytest.approx(20.1)
+    dots, line = cut.lines[:2]
+    assert np.median(dots.get_ydata()) == pytest.approx(np.median(line.get_ydata()), rel=1e-6)
+    assert "Twill" in words(figure)
+
+
+def test_a_sample_of_the_database_beside_its_model(files, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    bsdf = Bsdf.from_models({("exterior", "transmission"): Model.lambertian(0.3)})
+    bsdf.to_matrix("klems-quarter").write("m.xml")
+    assert main(["measure", "import", str(files / "one"), "--db", "lab.sqlite"]) == 0
+    code, out, err = run(capsys, "one", "--db", "lab.sqlite", "-o", "a.png", "--model", "m.xml", "--dpi", 30)
+    assert (code, out) == (0, ""), err
+    assert (tmp_path / "a.png").stat().st_size > 1000
+    code, _, err = run(capsys, "two", "--db", "lab.sqlite", "-o", "b.png")
+    assert (code, "two: neither a file nor a sample of lab.sqlite" in err) == (1, True)
+
+
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
     folder = tmp_path_factory.mktemp("scans")
@@ -178,6 +206,8 @@ def run(capsys, *given):
         ("cut", "svg", ["--azimuth", "0"]),
         ("close-up", "png", ["--half-width", "600"]),
         ("overview", "png", []),
+        ("cut", "png", ["--clip", "0"]),
+        ("points", "png", ["--projection", "orthographic"]),
     ],
 )
 def test_every_kind_becomes_a_file(files, tmp_path, capsys, kind, suffix, options):
@@ -209,6 +239,12 @@ def test_several_directions_make_an_overview(files, tmp_path, capsys):
         (["many", "-o", "x.png", "--kind", "points"], "name one of them"),
         (["many", "one", "-o", "x.png", "--kind", "points"], "shows one sample, not many, one"),
         (["nowhere", "-o", "x.png"], "no such file"),
+        (["one", "-o", "x.png", "--clip", "5"], "--clip: has no effect on --kind points"),
+        (["one", "-o", "x.png", "--kind", "cut", "--clip", "95"], "--clip 95: an angle from 0 to 90°"),
+        (["one", "-o", "x.png", "--kind", "cut", "--projection", "polar"], "--projection: has no effect on --kind cut"),
+        (["one", "-o", "x.png", "--kind", "cut", "--model", "m.xml"], "--model: is a picture of its own"),
+        (["one", "-o", "x.png", "--model", "nowhere.xml"], "nowhere.xml: no such file"),
+        (["one", "-o", "x.png", "--laboratory", "HSLU"], "choose scans of the database"),
     ],
 )
 def test_what_makes_no_sense_is_refused(files, tmp_path, capsys, monkeypatch, given, complaint):

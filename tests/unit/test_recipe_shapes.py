@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from clerestory import trace
 from clerestory.trace import RecipeError
 from clerestory.trace.bands import Bands
 from clerestory.trace.kinds.blind import Louvre, Slat, VenetianBlind
@@ -313,3 +314,16 @@ def test_ends_of_a_scan_that_do_not_fit_are_named():
     with pytest.raises(RecipeError, match=r"sample\.period_um: the ends of the scan differ by 10 µm"):
         simplified(x, x, 10.0, 0.1, "sample", closes=True)
     assert len(simplified(x, x, 10.0, 0.1, "sample", closes=False)) == 2
+
+
+@pytest.mark.parametrize("incident", [(0.0, 0.0, -1.0), (-0.0, -0.0, -1.0), (0.0, 0.6, -0.8), (0.6, 0.0, -0.8)])
+def test_light_along_an_axis_meets_triangles(incident):
+    """Zeros of either sign in a direction; a black cloth leaves the gaps between its yarns."""
+    yarn = {"per_cm": 10.0, "width_mm": 0.5, "thickness_mm": 0.02, "material": "yarn"}
+    cloth = {
+        "sample": {"kind": "woven-fabric", "weave": "plain", "warp": yarn, "weft": yarn},
+        "materials": {"yarn": {"kind": "lambertian", "reflectance": 0.0}},
+    }
+    seen, _ = trace.scan(cloth, np.array([incident]), trace.Settings(samples=4096, seed=1))
+    (passed,) = [s.total[0] for s in seen if s.scatter == "transmission"]
+    assert passed == pytest.approx(0.25, abs=0.02)

@@ -6,15 +6,18 @@ import hashlib
 import io
 import json
 import os
+import time
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from clerestory._core import ClerestoryError
 from clerestory.whole import write_whole
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
     from numpy.typing import NDArray
 
@@ -46,10 +49,43 @@ def digest(*parts: object) -> str:
     return found.hexdigest()
 
 
+@contextmanager
+def in_use(folder: Path, *, alone: bool = False) -> Iterator[bool]:
+    """Hold a folder that exists, together with others or alone; whether it could be had.
+
+    What is held is let go when the process ends, however it does.
+
+    Raises
+    ------
+    ClerestoryError
+        It is asked for alone on a system that does not tell who else uses it.
+    """
+    try:
+        import fcntl
+    except ImportError:
+        if alone:
+            raise ClerestoryError(
+                f"{folder}: this system does not tell whether a study uses it (remove files by hand when none runs)"
+            ) from None
+        yield True
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(handle, (fcntl.LOCK_EX if alone else fcntl.LOCK_SH) | fcntl.LOCK_NB)
+            is_free = True
+        except BlockingIOError:
+            is_free = False
+        yield is_free
+    finally:
+        os.close(handle)
+
+
 class Cache:
     """Arrays by name in files whose names say what they depend on.
 
     A file that is damaged, or of another version, counts as missing: its arrays are computed again and it is replaced.
+    While it lives, its folder is in use (`in_use`), so that nothing is removed from it.
     """
 
     def __init__(self, folder: str | os.PathLike[str] | None = None) -> None:
@@ -60,6 +96,15 @@ class Cache:
         """Kinds of what was not found, in order."""
         self.found: list[str] = []
         """Kinds of what was found."""
+        self._held = ExitStack()
+        self._is_held = False
+        self._hold()
+
+    def _hold(self) -> None:
+        if not self._is_held and self.folder.is_dir():
+            # Where another removes what is old, all of this is still to be read.
+            self._held.enter_context(in_use(self.folder))
+            self._is_held = True
 
     def path_of(self, kind: str, key: Mapping[str, object]) -> Path:
         """Where something is, or would be."""
@@ -77,12 +122,14 @@ class Cache:
         known = self._read(path)
         if known is not None:
             self.found.append(kind)
+            _mark_used(path)
             return known
         made = compute()
         self.computed.append(kind)
         buffer = io.BytesIO()
         np.savez(buffer, allow_pickle=False, **made, checksum=np.array(_checksum(made)))
         self.folder.mkdir(parents=True, exist_ok=True)
+        self._hold()
         write_whole(path, buffer.getvalue())
         return made
 
@@ -99,6 +146,12 @@ class Cache:
             what = str(error) or type(error).__name__
         self.warnings.append(f"{path}: {what}; it is computed again")
         return None
+
+
+def _mark_used(path: Path) -> None:
+    """Note when a file was last read, which file systems do not always do; not in a cache that others keep."""
+    if os.access(path, os.W_OK):
+        os.utime(path, ns=(time.time_ns(), path.stat().st_mtime_ns))
 
 
 def _checksum(arrays: Arrays) -> str:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
+from clerestory._core import MissingDataError
 from clerestory.annual.arrivals import Arrivals
 from clerestory.annual.cache import Cache
 from clerestory.annual.control.stage import Stage
@@ -19,9 +20,11 @@ from clerestory.annual.facade import Facade
 from clerestory.annual.matrices import RoomMatrices
 from clerestory.annual.outcome import Collected
 from clerestory.annual.pictures import YearPictures
+from clerestory.annual.traced import kept
 from clerestory.annual.year import RoomYear, Sampling
 from clerestory.picture import View
-from clerestory.room.world import load_beside, system_of
+from clerestory.room.systems import system_of
+from clerestory.room.world import load_beside
 from clerestory.trace.keys import Keys, Positive, RecipeError, wrong
 from clerestory.trace.recipe import read_toml
 from clerestory.weather import Hours, SkyYear, read_weather, synthetic_year
@@ -37,6 +40,7 @@ if TYPE_CHECKING:
     from clerestory.bsdf import Bsdf
     from clerestory.picture import Picture
     from clerestory.room import Room
+    from clerestory.room.recipe import System
     from clerestory.weather import Weather
 
 
@@ -123,10 +127,18 @@ class Choice:
 class Study:
     """A study, read and checked: made by `load`."""
 
-    def __init__(self, recipe: Recipe, folder: Path, cache: Cache | None = None) -> None:
+    def __init__(
+        self,
+        recipe: Recipe,
+        folder: Path,
+        cache: Cache | None = None,
+        *,
+        tell: Callable[[str], object] | None = None,
+    ) -> None:
         self.recipe = recipe
         self.cache = cache or Cache()
-        self.room: Room = load_beside(recipe.room, folder, "room")
+        self._traced = kept(self.cache, tell)
+        self.room: Room = load_beside(recipe.room, folder, "room", traced=self._traced)
         """The room."""
         self.weather: Weather = self._weather(folder)
         """The weather of its year."""
@@ -322,8 +334,14 @@ class Study:
         if not self.recipe.data_sets:
             return {"as in the room": [self.room.system(name) for name in groups]}
         lasting = {name: s for name, s in self.recipe.data_sets.items() if not s.states}
-        made = {name: system_of(s, f"data_sets.{name}", folder)[0] for name, s in lasting.items()}
+        made = {name: self._system(s, f"data_sets.{name}", folder) for name, s in lasting.items()}
         return {name: [bsdf] * len(groups) for name, bsdf in made.items()}
+
+    def _system(self, given: System, key: str, folder: Path) -> Bsdf:
+        try:
+            return system_of(given, key, folder, self._traced).seen
+        except MissingDataError as error:
+            raise RecipeError(f"{key}.band: {error}") from None
 
     def _stages(self, folder: Path) -> dict[str, Stage]:
         made = {}
@@ -331,7 +349,7 @@ class Study:
             if given.control is None:
                 continue
             key = f"data_sets.{name}"
-            bsdfs = {s: system_of(state, f"{key}.states.{s}", folder)[0] for s, state in given.states.items()}
+            bsdfs = {s: self._system(state, f"{key}.states.{s}", folder) for s, state in given.states.items()}
             tilts = [state.tilt_deg for state in given.states.values()]
             made[name] = Stage(
                 self.room,
@@ -360,7 +378,12 @@ _PREPARED = 1.6e7
 """Memory of a data set that is prepared for eyes, by the square of the number of groups [B]."""
 
 
-def load(source: str | os.PathLike[str], *, cache: str | os.PathLike[str] | None = None) -> Study:
+def load(
+    source: str | os.PathLike[str],
+    *,
+    cache: str | os.PathLike[str] | None = None,
+    tell: Callable[[str], object] | None = None,
+) -> Study:
     """A study from its TOML file.
 
     Parameters
@@ -369,6 +392,8 @@ def load(source: str | os.PathLike[str], *, cache: str | os.PathLike[str] | None
         The file.
     cache
         Folder of matrices; see `clerestory.annual.cache.default_folder`.
+    tell
+        Called with words before a sample is traced, which takes time.
 
     Raises
     ------
@@ -379,6 +404,6 @@ def load(source: str | os.PathLike[str], *, cache: str | os.PathLike[str] | None
     """
     path = Path(source)
     try:
-        return Study(Recipe.of(read_toml(path)), path.parent, Cache(cache))
+        return Study(Recipe.of(read_toml(path)), path.parent, Cache(cache), tell=tell)
     except RecipeError as error:
         raise RecipeError(f"{path}: {error}") from error

@@ -63,7 +63,7 @@ class Eye:
         at, towards = (np.asarray(v, dtype=np.float64).reshape(1, 3) for v in (point, direction))
         towards = towards / np.linalg.norm(towards)
         view, size = View.fisheye(at[0], towards[0]).updated("-vth"), (_SURFACES, _SURFACES)
-        rows, windows = matrices.surfaces(view, size, samples=256), matrices.windows_seen(view, size)
+        rows, windows = matrices.surfaces(view, size, samples=64), matrices.windows_seen(view, size)
         share = 1.0 - np.bincount(windows.pixel, windows.share, minlength=_SURFACES**2)
         directions = view.pixel_directions(*size).reshape(-1, 3)
         seen = np.flatnonzero((share > _LEAST_SHARE) & np.isfinite(directions).all(axis=1))

@@ -1,9 +1,10 @@
 """The command line: one thin file a command.
 
 A command is a function of its file's name; `_COMMANDS` lists them in the order in which a person meets them. Its module
-imports only the standard library, typer and `clerestory.cli.common` at its head and everything heavy inside the
-function, so that `clerestory --help` answers at once. Its docstring is its help and ends with a line `Example: …`. What
-goes wrong leaves a command as an exception; `main` turns it into one line.
+is imported when the command is asked for (`lazy`), and imports only the standard library, typer and
+`clerestory.cli.common` at its head and everything heavy inside the function, so that help answers at once. Its
+docstring is its help and ends with a line `Example: …`. What goes wrong leaves a command as an exception; `main` turns
+it into one line.
 """
 
 from __future__ import annotations
@@ -11,13 +12,12 @@ from __future__ import annotations
 import os
 import sys
 from importlib import import_module
-from inspect import cleandoc
-from keyword import iskeyword
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from clerestory.cli.common import UsageError, in_one_line, is_expected
+from clerestory.cli.lazy import group_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,9 +38,9 @@ _COMMANDS = (
     "photo-compare",
     "compare",
     "roundrobin",
+    "cache",
 )
-# Commands of a group, whose sentence is the docstring of its package. The file of a command that is named by a word of
-# Python's ends with an underscore.
+# Commands of a group, whose sentence is the docstring of its package.
 _GROUPS: dict[str, tuple[str, ...]] = {
     "measure": (
         "plan",
@@ -48,10 +48,13 @@ _GROUPS: dict[str, tuple[str, ...]] = {
         "import",
         "list",
         "show",
+        "note",
+        "remove",
         "plot",
         "check",
         "prepare",
         "fit",
+        "hybrid",
         "calibrate",
         "export",
     ),
@@ -60,6 +63,7 @@ _GROUPS: dict[str, tuple[str, ...]] = {
 
 app = typer.Typer(
     name="clerestory",
+    cls=group_of("clerestory.cli", _COMMANDS),
     add_completion=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # plain help: its layout takes a third of the time that rich's does
@@ -89,27 +93,10 @@ def clerestory(
     del version  # its callback acts
 
 
-def _add(to: typer.Typer, package: str, name: str) -> None:
-    """Add a command; the example at the end of its docstring is kept on a line of its own."""
-    home = name.replace("-", "_") + ("_" if iskeyword(name) else "")
-    command = getattr(import_module(f"{package}.{home}"), home)
-    text, _, example = cleandoc(command.__doc__).partition("\n\nExample: ")
-    to.command(name, help=text, epilog=f"\b\nExample: {example}")(command)
-
-
-def _add_group(group: str, names: Sequence[str]) -> None:
-    package = f"clerestory.cli.{group}"
-    members = typer.Typer(rich_markup_mode=None, no_args_is_help=True)
-    for name in names:
-        _add(members, package, name)
-    app.add_typer(members, name=group, help=import_module(package).__doc__)
-
-
-for _name in _COMMANDS:
-    _add(app, "clerestory.cli", _name)
 for _group, _names in _GROUPS.items():
-    if _names:
-        _add_group(_group, _names)
+    _package = f"clerestory.cli.{_group}"
+    _members = typer.Typer(cls=group_of(_package, _names), rich_markup_mode=None, no_args_is_help=True)
+    app.add_typer(_members, name=_group, help=import_module(_package).__doc__)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

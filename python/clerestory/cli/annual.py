@@ -61,7 +61,7 @@ def annual(
         raise UsageError("--workers and --scheduler are two ways (give one)")
     if picture and (output is None or critical):
         raise UsageError("--picture: there are no results beside which to write (give --output FOLDER, no --critical)")
-    made = load(study, cache=cache)
+    made = load(study, cache=cache, tell=note)
     steps = [made.weather.at(when) for when in picture or ()]
     if steps and not made.views:
         raise UsageError("--picture: the study has no views (add one to the room, or to its key views)")

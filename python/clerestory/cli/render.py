@@ -95,6 +95,8 @@ def render(
     Example: clerestory render office -o office.hdr --glare
     """
     from clerestory import room
+    from clerestory.annual.cache import Cache
+    from clerestory.annual.traced import kept
 
     if list_all:
         from clerestory.room.shipped import ROOMS
@@ -111,7 +113,7 @@ def render(
         refuse_overwriting(output, [Path(scene)])
     elif sensors is None and not glare:
         raise UsageError("no output is named (give -o OUT.hdr, --glare, or --sensors NAME)")
-    made = room.load(scene)
+    made = room.load(scene, traced=kept(Cache(), note))
     for text in made.warnings:
         note(f"warning: {scene}: {text}")
     if glare_denoised and not (denoise and glare):

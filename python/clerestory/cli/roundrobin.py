@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from clerestory.roundrobin.run import Work
     from clerestory.roundrobin.study import RoundRobin
+    from clerestory.system.build import Traced
 
 
 def roundrobin(
@@ -60,19 +61,21 @@ def roundrobin(
     Example: clerestory roundrobin HSLU=a.xml ISE=b.xml LBNL=c.xml -o results
     """
     from clerestory.annual.cache import Cache
+    from clerestory.annual.traced import kept
     from clerestory.roundrobin.run import Work
 
     if output is not None and output.exists() and not output.is_dir():
         raise UsageError(f"{output}: is a file (give a folder)")
     if output is None and not (as_json or dry_run):
         raise UsageError("the results have no folder (give -o FOLDER, --json or --dry-run)")
-    study = _study(sources, weather, without or [])
+    kept_in = Cache(cache)
+    study = _study(sources, weather, without or [], kept(kept_in, note))
     for system in study.systems:
         for laboratory in system.laboratories:
             for source in laboratory.sources:
                 for text in source.bsdf.warnings:
                     warn(source.path, text.removeprefix(f"{source.path}: "))
-    work = Work(study, Cache(cache))
+    work = Work(study, kept_in)
     if dry_run:
         _tell_plan(work, as_json=as_json)
         return
@@ -115,7 +118,7 @@ def _run(study: RoundRobin, work: Work, output: Path | None, command: str, *, as
         say(f"wrote {path}")
 
 
-def _study(sources: Sequence[str], weather: Path | None, without: Sequence[str]) -> RoundRobin:
+def _study(sources: Sequence[str], weather: Path | None, without: Sequence[str], traced: Traced) -> RoundRobin:
     """From a study file, or from files of one system."""
     from clerestory.cli.compare import laboratories
     from clerestory.roundrobin.recipe import ANALYSES
@@ -129,7 +132,7 @@ def _study(sources: Sequence[str], weather: Path | None, without: Sequence[str])
     if weather is not None:
         changes["weather"] = str(weather.resolve())
     if studies:
-        return load(studies[0], without=left_out, weather=changes.get("weather"))
+        return load(studies[0], without=left_out, weather=changes.get("weather"), traced=traced)
     year = {"year": {"weather": changes.pop("weather")}} if weather is not None else {}
     return of_files(laboratories(sources), **changes, **year)
 

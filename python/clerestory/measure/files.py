@@ -21,7 +21,8 @@ from clerestory.whole import whole_file
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from clerestory.measure.scan import Measurement
+    from clerestory.measure.formats import Format
+    from clerestory.measure.scan import Measurement, Scan
     from clerestory.measure.source import Source
 
 _WIDE = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}
@@ -47,7 +48,8 @@ def read(
         Raise an error instead, where a file of a folder is no measurement.
     choices
         What a person says where files are silent: `side` (exterior or interior, which the light comes from), `scatter`
-        (transmission or reflection), `sample` (its name), `front`, `seen_from` and `up_deg` (how sides and azimuths are
+        (transmission or reflection), `sample` (its name), `convention` (a laboratory's, one of
+        `clerestory.measure.prepare.CONVENTIONS`), or `front`, `seen_from` and `up_deg` (how sides and azimuths are
         counted), `columns` (names of a CSV file's columns); docs/measurements.md says which format asks for which.
 
     Raises
@@ -128,8 +130,44 @@ def read_bytes(packed: bytes, name: str, **choices: object) -> Contents:
                 "no format of measurements is recognised (docs/measurements.md lists them; a table with other names of "
                 "columns needs `columns`)"
             )
-        contents = chosen.read(data, inner, **choices)
+        contents = _counted_as(chosen, data, inner, choices)
     return contents if data is packed else _sourced(contents, name, digest(packed))
+
+
+def _counted_as(form: Format, data: bytes, name: str, choices: dict[str, object]) -> Contents:
+    """What a format reads, with sides and azimuths as a laboratory's convention has them, if one is named."""
+    said = dict(choices)
+    given = said.pop("convention", None)
+    if given is None:
+        return form.read(data, name, **said)
+    from clerestory.measure.prepare.convention import CONVENTIONS, from_travel
+
+    if given not in CONVENTIONS:
+        raise ClerestoryError(f"convention {given!r} is not known (give {', '.join(CONVENTIONS)})")
+    convention = CONVENTIONS[str(given)]
+    front = "interior" if convention.flipped else "exterior"
+    frame = {"front": front, "seen_from": convention.seen_from, "up_deg": convention.up_deg}
+    if not getattr(form, "FRAMED", False):
+        contents = form.read(data, name, **said)
+        if not contents.measurements:
+            return contents
+        text = f"{name}: {form.NAME} counts azimuths in a way of its own; the convention {given} has no effect"
+        return replace(contents, warnings=(*contents.warnings, text))
+    contents = form.read(data, name, **frame | said)
+
+    def named(scan: Scan) -> Scan:
+        turned = from_travel(scan) if convention.incident == "travel" else scan
+        if turned.source is None:
+            return turned
+        words = turned.source.convention
+        if convention.incident == "travel":
+            words = words.replace("incident ones are the source's", "incident ones are those of the light's way")
+        return replace(turned, source=replace(turned.source, convention=f"{given} (as a person said): {words}"))
+
+    return replace(
+        contents,
+        measurements=tuple(replace(m, scans=tuple(map(named, m.scans))) for m in contents.measurements),
+    )
 
 
 def _read(path: Path, choices: Mapping[str, object]) -> Contents:

@@ -98,9 +98,10 @@ def frame(
     words: tuple[str, ...] = OUTGOING_WORDS,
     labels: bool = True,
     circles: bool = True,
+    small: bool = False,
 ) -> None:
-    """Circles of equal polar angle, the edge, and words for the azimuths."""
-    thetas = (15, 30, 45, 60, 75) if labels else (30, 60)
+    """Circles of equal polar angle (two of them on a small disk), the edge, and words for the azimuths."""
+    thetas = (15, 30, 45, 60, 75) if labels and not small else (30, 60)
     for theta in thetas if circles else ():
         r = float(radius(theta, projection))
         ax.add_patch(Circle((0, 0), r, fill=False, edgecolor="white", linewidth=1.1, alpha=0.35, zorder=2))

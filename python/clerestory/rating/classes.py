@@ -32,7 +32,7 @@ CRITERIA = (
 )
 """In the order of a sheet. Darkening is tested with lamps, and its limits are not public."""
 OPENNESS = (0.005, 0.05, 0.10)
-"""Limits of the rows of tau_v_n-n: what is shown as 0.00 counts as none."""
+"""Usual limits of the rows of tau_v_n-n: what is shown as 0.00 counts as none."""
 
 
 class ByValue(Keys):
@@ -53,6 +53,7 @@ class ByValue(Keys):
             raise wrong("quantity", f"{self.quantity!r} is not known (known: {', '.join(QUANTITIES)})")
         if sorted(self.limits) != self.limits or len(self.classes) != len(self.limits) + 1:
             raise wrong("classes", "limits rise, and classes are one more than they are")
+        _known(self.classes, "classes")
         return self
 
 
@@ -63,16 +64,28 @@ class ByOpenness(Keys):
     """What is rated."""
     columns: list[float]
     """Where columns of tau_v_n-dif begin, rising."""
+    openness: list[float] = Field(default=list(OPENNESS), min_length=1)
+    """Limits of the rows, rising: below the first one tau_v_n-n counts as none; the others belong to the row below."""
     rows: list[list[int]]
     """Classes, a row for each interval of tau_v_n-n: none, up to 0.05, up to 0.10, above."""
 
     @model_validator(mode="after")
     def _sound(self) -> ByOpenness:
-        if sorted(self.columns) != self.columns or len(self.rows) != len(OPENNESS) + 1:
-            raise wrong("rows", f"columns rise, and there are {len(OPENNESS) + 1} rows")
+        if sorted(self.columns) != self.columns or sorted(self.openness) != self.openness:
+            raise wrong("columns", "columns and openness rise")
+        if len(self.rows) != len(self.openness) + 1:
+            raise wrong("rows", f"there is one more than limits of openness, {len(self.openness) + 1}")
         if any(len(row) != len(self.columns) + 1 for row in self.rows):
             raise wrong("rows", "a row has one class more than there are limits of columns")
+        for row in self.rows:
+            _known(row, "rows")
         return self
+
+
+def _known(classes: list[int], key: str) -> None:
+    beyond = [number for number in classes if not 0 <= number < len(EFFECTS)]
+    if beyond:
+        raise wrong(key, f"{beyond[0]} is no class (give 0 to {len(EFFECTS) - 1})")
 
 
 class Edition(Keys):
@@ -120,8 +133,8 @@ def edition(name: str | Path) -> Edition:
     path = Path(name)
     if path.suffix != ".toml":
         raise RecipeError(
-            f"the limits of {str(name)!r} are not known: they are not public (known: {', '.join(EDITIONS)}; "
-            "or give a TOML file with those of your copy of the standard)"
+            f"the limits of {str(name)!r} are not known: those of 2021 are not public (known: {', '.join(EDITIONS)}; "
+            "or give a TOML file with those of your copy of the standard, in the form that docs/systems.md shows)"
         )
     tables = read_toml(path)
     if len(tables) != 1:
@@ -173,7 +186,7 @@ def _by_openness(grid: ByOpenness, quantities: Mapping[str, float]) -> int | Non
     if straight is None or scattered is None:
         return None
     # Rows hold their upper limit: "up to 0.05".
-    none, *steps = OPENNESS
+    none, *steps = grid.openness
     row = 0 if straight < none else 1 + int(np.searchsorted(steps, straight, side="left"))
     return grid.rows[row][int(np.searchsorted(grid.columns, scattered, side="right"))]
 

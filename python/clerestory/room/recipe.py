@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from clerestory.trace.keys import Fraction, Keys, NotNegative, Number, Positive, wrong
 from clerestory.trace.materials import Material
@@ -90,17 +91,35 @@ class Sky(Keys):
         return self
 
 
+def _pane(value: object) -> object:
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and 0.0 < value <= 1.0:
+        return float(value)
+    if isinstance(value, str):
+        return value
+    raise PydanticCustomError(
+        "pane", "Input should be a transmittance above 0 and up to 1, a glass by its name, or a file of its spectra"
+    )
+
+
+Pane = Annotated[float | str, BeforeValidator(_pane)]
+"""A pane of glass: a transmittance, a glass by its name, or a file of its spectra."""
+
+
 class System(Keys):
     """A window system."""
 
     file: str | None = None
-    """Its BSDF file, relative to the recipe; or give glass."""
-    glass: Annotated[Number, Field(gt=0.0, le=1.0)] | None = None
-    """Visible transmittance of a clear pane at normal incidence."""
+    """Its data set: a BSDF file, a specification of a window or a recipe of a sample (.toml), relative to this recipe;
+    or the name of one that comes with Clerestory; or give glass."""
+    glass: Pane | None = None
+    """Visible transmittance of a clear pane at normal incidence; or the name of a glass that comes with Clerestory, or
+    a file of a pane's spectra."""
     glass_reflectance: Fraction | None = None
-    """Visible reflectance of that pane; that of glass of index 1.52 by default."""
+    """Visible reflectance of a pane by its transmittance; that of glass of index 1.52 by default."""
+    thickness_mm: Positive | None = None
+    """Thickness of a glass by its name [mm]."""
     treatment: Treatment = "high-peaks"
-    """How the file is used."""
+    """How the data set of `file` is used."""
     band: str | None = None
     """Band of the file; visible by default."""
     flipped: bool = False
@@ -114,6 +133,10 @@ class System(Keys):
     def _check(self) -> None:
         if (self.file is None) == (self.glass is None):
             raise wrong("file", "either a file or glass is asked for (give one of them)")
+        if isinstance(self.glass, str) and self.glass_reflectance is not None:
+            raise wrong("glass_reflectance", "goes with a transmittance (leave it out)")
+        if not isinstance(self.glass, str) and self.thickness_mm is not None:
+            raise wrong("thickness_mm", "goes with a glass by its name (leave it out)")
 
 
 class Opening(Keys):

@@ -19,6 +19,7 @@ from clerestory.room.files import Found, take
 from clerestory.room.recipe import LEVELS, Recipe
 from clerestory.room.shipped import ROOMS
 from clerestory.room.standing import of_points, of_windows
+from clerestory.room.systems import Placed, system_of
 from clerestory.trace.bands import Bands
 from clerestory.trace.keys import RecipeError, suggestion
 from clerestory.trace.materials import Spec
@@ -37,11 +38,11 @@ if TYPE_CHECKING:
     from clerestory.room.picture import Rendering
     from clerestory.room.state import State
     from clerestory.sky import Sky
+    from clerestory.system.build import Traced
 
 CHANNELS = Bands(names=["red", "green", "blue"])
 """Radiance's channels, which are the bands of a room."""
 AIR = "air"
-_GREY: list[str | None] = [None] * 3
 
 
 @dataclass(frozen=True)
@@ -59,10 +60,18 @@ class WindowOf:
 class Room:
     """A room with windows under a sky: made by `load`."""
 
-    def __init__(self, recipe: Recipe, folder: str | os.PathLike[str] = ".", *, in_windows: Bsdf | None = None) -> None:
+    def __init__(
+        self,
+        recipe: Recipe,
+        folder: str | os.PathLike[str] = ".",
+        *,
+        in_windows: Bsdf | None = None,
+        traced: Traced | None = None,
+    ) -> None:
         """From a recipe; files that it names are relative to `folder`.
 
-        A data set `in_windows` stands in all windows in place of the recipe's systems.
+        A data set `in_windows` stands in all windows in place of the recipe's systems. Samples are traced by `traced`
+        (see `clerestory.system.dataset.data_set`).
 
         Raises
         ------
@@ -71,7 +80,7 @@ class Room:
         """
         self.recipe = recipe
         self.folder = Path(folder)
-        self._in_windows = in_windows
+        self._traced = traced
         self.warnings: list[str] = []
         """What is surprising, but can be."""
         self.sky: Sky = _sky(recipe)
@@ -99,7 +108,7 @@ class Room:
             self._add_file(geometry, f"geometry[{k + 1}]")
         for name, polygon in recipe.windows.items():
             self.windows.append(WindowOf(name, np.array(polygon.corners_m), polygon.system))
-        self._bsdfs: dict[str, tuple[Bsdf, list[str | None]]] = {}
+        self._bsdfs: dict[str, Placed] = {}
         for window in self.windows:
             if window.system not in self._systems:
                 known = recipe.systems
@@ -107,9 +116,9 @@ class Room:
                 raise RecipeError(f"window {window.name}: there is no system {window.system!r} ({hint})")
             if window.system not in self._bsdfs:
                 self._bsdfs[window.system] = (
-                    system_of(self._systems[window.system], f"systems.{window.system}", self.folder)
+                    system_of(self._systems[window.system], f"systems.{window.system}", self.folder, traced)
                     if in_windows is None
-                    else (in_windows, _GREY)
+                    else Placed(in_windows)
                 )
         if not self.windows:
             self.warnings.append("the room has no window: daylight enters through openings of the geometry only")
@@ -131,15 +140,14 @@ class Room:
     def without_facade(self) -> Room:
         """The same room without what stands between its windows and its ports."""
         kept = [geometry for geometry in self.recipe.geometry if not geometry.facade]
-        return Room(self.recipe.model_copy(update={"geometry": kept}), self.folder)
+        return Room(self.recipe.model_copy(update={"geometry": kept}), self.folder, traced=self._traced)
 
     @property
     def files(self) -> list[Path]:
         """Files of data sets that it scatters by: of windows, and of materials."""
-        used = self._bsdfs if self._in_windows is None else ()
-        named = [system.file for key, system in self._systems.items() if key in used]
-        named += [getattr(material, "file", None) for material in self.recipe.materials.values()]
-        return [self.folder / name for name in named if name is not None]
+        named = [getattr(material, "file", None) for material in self.recipe.materials.values()]
+        of_windows = [placed.file for placed in self._bsdfs.values() if placed.file is not None]
+        return of_windows + [self.folder / name for name in named if name is not None]
 
     def content(self) -> list[object]:
         """All that it is made of but for the data of its files: two rooms that differ have other contents."""
@@ -147,9 +155,7 @@ class Room:
         windows = [(w.name, w.corners.tolist(), self._systems[w.system].model_dump(), w.up) for w in self.windows]
         outside = [self.recipe.sky.model_dump(), self.recipe.place and self.recipe.place.model_dump()]
         made = [self._shapes.mark(), self._surfaces, specs, self._media, windows, self._lights, outside]
-        if self._in_windows is not None:
-            made.append(mark(self._in_windows))
-        return made
+        return made + [mark(placed.bsdf) for placed in self._bsdfs.values() if placed.file is None]
 
     def view(self, name: str) -> keys.View:
         """One of its views.
@@ -166,8 +172,8 @@ class Room:
         return known[name]
 
     def system(self, name: str) -> Bsdf:
-        """The data set of one of its systems."""
-        return self._bsdfs[name][0]
+        """The data set of one of its systems, in the band that it is seen in if one is named."""
+        return self._bsdfs[name].seen
 
     def sensors(self, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Points (n, 3) [m] and normals (n, 3) of its sensors.
@@ -343,7 +349,7 @@ class Room:
         # A matrix is read off where another model would be sampled.
         even = Bsdf.from_models({("exterior", "transmission"): Model.lambertian(1.0)}).to_matrix("klems-quarter")
         openings = self.windows + (self.ports if ports else [])
-        windows = [(w.name, w.corners.tolist(), even._core, _GREY, list(w.up)) for w in openings]
+        windows = [(w.name, w.corners.tolist(), even._core, [None] * 3, list(w.up)) for w in openings]
         return self._room(windows, [], Sky.uniform())
 
     def _grid(self, sensors: keys.Sensors, key: str) -> NDArray[np.float64]:
@@ -425,7 +431,7 @@ class Room:
 
     def _made(self) -> _core.Room:
         windows = [
-            (w.name, w.corners.tolist(), self._bsdfs[w.system][0]._core, self._bsdfs[w.system][1], list(w.up))
+            (w.name, w.corners.tolist(), self._bsdfs[w.system].bsdf._core, self._bsdfs[w.system].bands, list(w.up))
             for w in self.windows
         ]
         return self._room(windows, self._lights, self.sky)
@@ -479,40 +485,15 @@ def _sky(recipe: Recipe) -> Sky:
     return made
 
 
-def system_of(given: keys.System, key: str, folder: Path) -> tuple[Bsdf, list[str | None]]:
-    """The data set of a window, and its band for each channel."""
-    from clerestory.files import read
-    from clerestory.system import pane_from_normal
-
-    if given.glass is not None:
-        r = ((1.52 - 1.0) / (1.52 + 1.0)) ** 2
-        reflectance = 2.0 * r / (1.0 + r) if given.glass_reflectance is None else given.glass_reflectance
-        try:
-            return pane_from_normal(min(given.glass, 1.0 - reflectance), reflectance), [None] * 3
-        except _core.ClerestoryError as error:
-            raise RecipeError(f"{key}.glass: {error}") from None
-    path = folder / str(given.file)
-    try:
-        bsdf = read(path)
-        bsdf = bsdf.flipped() if given.flipped else bsdf
-        if given.treatment.startswith("klems"):
-            bsdf = bsdf.to_matrix("klems-full")
-        if given.treatment.endswith("peaks"):
-            bsdf = bsdf.separate_peaks()
-        return bsdf, [given.band] * 3
-    except FileNotFoundError:
-        raise RecipeError(f"{key}.file: {path} does not exist (check it; it is relative to the recipe)") from None
-    except (OSError, _core.ClerestoryError) as error:
-        raise RecipeError(f"{key}.file: {error}") from None
-
-
-def load(source: str | os.PathLike[str] | Mapping[str, Any] | Room) -> Room:
+def load(source: str | os.PathLike[str] | Mapping[str, Any] | Room, *, traced: Traced | None = None) -> Room:
     """A room from a recipe.
 
     Parameters
     ----------
     source
         A TOML file, the name of a room that comes with Clerestory (`names` lists them), or tables as TOML has them.
+    traced
+        Traces the samples that its windows name; anew each time by default.
 
     Raises
     ------
@@ -524,15 +505,15 @@ def load(source: str | os.PathLike[str] | Mapping[str, Any] | Room) -> Room:
     if isinstance(source, Room):
         return source
     if isinstance(source, Mapping):
-        return Room(Recipe.of(source))
+        return Room(Recipe.of(source), traced=traced)
     path = ROOMS.find(os.fspath(source))
     try:
-        return Room(Recipe.of(read_toml(path)), path.parent)
+        return Room(Recipe.of(read_toml(path)), path.parent, traced=traced)
     except RecipeError as error:
         raise RecipeError(f"{source}: {error}") from None
 
 
-def load_beside(given: str, folder: Path, key: str) -> Room:
+def load_beside(given: str, folder: Path, key: str, *, traced: Traced | None = None) -> Room:
     """A room that a study names under a key: a recipe relative to its folder, or one that comes with Clerestory.
 
     Raises
@@ -542,7 +523,7 @@ def load_beside(given: str, folder: Path, key: str) -> Room:
     """
     within = folder / given
     try:
-        return load(within if within.is_file() or "." in given else given)
+        return load(within if within.is_file() or "." in given else given, traced=traced)
     except FileNotFoundError:
         raise RecipeError(f"{key}: {within} does not exist (check it; it is relative to the study)") from None
     except RecipeError as error:

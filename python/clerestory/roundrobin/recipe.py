@@ -29,7 +29,7 @@ class Given(Keys):
     laboratory: Annotated[str, Field(min_length=1)]
     """Who gave it."""
     file: str | None = None
-    """BSDF file, relative to the study; raw data need none."""
+    """BSDF file, specification of a window or recipe of a sample, relative to the study; raw data need none."""
     resolution: Resolution | None = None
     """klems, high or raw; by the file by default."""
     flipped: bool = False
@@ -48,7 +48,7 @@ class Pane(Keys):
     """A pane in front of a shade, on its exterior."""
 
     file: str | None = None
-    """BSDF file, relative to the study."""
+    """BSDF file or specification, relative to the study."""
     glass: Annotated[Number, Field(gt=0.0, le=1.0)] | None = None
     """Visible transmittance of a clear pane at normal incidence."""
     glass_reflectance: Fraction | None = None

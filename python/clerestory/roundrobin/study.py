@@ -13,10 +13,12 @@ from typing import TYPE_CHECKING, Literal
 from clerestory import files
 from clerestory._core import ClerestoryError, MissingDataError
 from clerestory.integrals import own_basis
+from clerestory.npz import mark
 from clerestory.room import recipe as room_keys
-from clerestory.room.world import system_of
+from clerestory.room.systems import system_of
 from clerestory.roundrobin.recipe import TREATMENTS, Recipe
 from clerestory.system import stack
+from clerestory.system.dataset import data_set
 from clerestory.trace.keys import RecipeError
 from clerestory.trace.recipe import read_toml
 
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
     from clerestory.bsdf import Bsdf
     from clerestory.room.recipe import Treatment
     from clerestory.roundrobin.recipe import Given, Pane
+    from clerestory.system.build import Traced
 
 FINE_PATCHES = 300
 """A matrix with more incident patches than this counts as of high resolution; Klems full has 145."""
@@ -33,11 +36,14 @@ FINE_PATCHES = 300
 
 @dataclass(frozen=True)
 class Source:
-    """A BSDF file that a laboratory gave."""
+    """A data set that a laboratory gave."""
 
     given: Given
     path: Path
     sha256: str
+    """Of the file."""
+    mark: str
+    """Stands for all that the data set depends on, before it is flipped."""
     bsdf: Bsdf
     resolution: Literal["klems", "high"]
 
@@ -81,16 +87,13 @@ class Case:
 class System:
     """A system and its laboratories."""
 
-    def __init__(
-        self, name: str, title: str, laboratories: Sequence[Laboratory], pane: Bsdf | None, pane_key: Sequence[object]
-    ) -> None:
+    def __init__(self, name: str, title: str, laboratories: Sequence[Laboratory], pane: Bsdf | None) -> None:
         self.name = name
         self.title = title
         self.is_alone = False
         """Whether it is the only one of the round robin."""
         self.laboratories = tuple(laboratories)
         self.pane = pane
-        self._pane_key = list(pane_key)
         self._of = {lab.name: lab for lab in laboratories}
         self.treated = cache(self._treated)
 
@@ -115,10 +118,10 @@ class System:
         """All that the data set of a case depends on."""
         source = self._source(case)
         return {
-            "file": source.sha256,
+            "file": source.mark,
             "flipped": source.given.flipped,
             "treatment": case.treatment,
-            "pane": self._pane_key,
+            "pane": None if self.pane is None else mark(self.pane),
         }
 
     def _source(self, case: Case) -> Source:
@@ -142,8 +145,9 @@ class System:
 class RoundRobin:
     """A round robin: made by `load` or `of_files`."""
 
-    def __init__(self, recipe: Recipe, folder: Path) -> None:
+    def __init__(self, recipe: Recipe, folder: Path, traced: Traced | None = None) -> None:
         self.recipe = recipe
+        self._traced = traced
         self.folder = folder
         self.systems = [self._system(name) for name in recipe.systems]
         """In their order."""
@@ -160,15 +164,15 @@ class RoundRobin:
         key = f"systems.{name}"
         sources: dict[str, dict[str, Source]] = {}
         raw: dict[str, list[Given]] = {}
-        for k, data_set in enumerate(given.data_sets):
-            own = sources.setdefault(data_set.laboratory, {})
-            if data_set.resolution == "raw":
-                raw.setdefault(data_set.laboratory, []).append(data_set)
+        for k, one in enumerate(given.data_sets):
+            own = sources.setdefault(one.laboratory, {})
+            if one.resolution == "raw":
+                raw.setdefault(one.laboratory, []).append(one)
                 continue
-            made = _source(data_set, self.folder, f"{key}.data_sets[{k + 1}]")
+            made = _source(one, self.folder, f"{key}.data_sets[{k + 1}]", self._traced)
             if made.resolution in own:
                 raise RecipeError(
-                    f"{key}.data_sets[{k + 1}].laboratory: {data_set.laboratory} has two data sets of resolution "
+                    f"{key}.data_sets[{k + 1}].laboratory: {one.laboratory} has two data sets of resolution "
                     f"{made.resolution}, {own[made.resolution].path.name} and {made.path.name} (give one another name)"
                 )
             own[made.resolution] = made
@@ -181,8 +185,8 @@ class RoundRobin:
             )
         pane = given.pane or self.recipe.pane
         where = f"{key}.pane" if given.pane is not None else "pane"
-        layer, pane_key = (None, ()) if pane is None else _pane(pane, where, self.folder)
-        made_system = System(name, given.title or name, laboratories, layer, pane_key)
+        layer = None if pane is None else _pane(pane, where, self.folder, self._traced)
+        made_system = System(name, given.title or name, laboratories, layer)
         if layer is not None:
             for case in made_system.cases(self.recipe.treatments):
                 made_system.treated(case)  # says which layer cannot stand behind a pane
@@ -194,12 +198,15 @@ class RoundRobin:
         return list(dict.fromkeys(lab.name for system in self.systems for lab in system.laboratories))
 
 
-def _source(given: Given, folder: Path, key: str) -> Source:
+def _source(given: Given, folder: Path, key: str, traced: Traced | None) -> Source:
     """Read a file, and see that it can be compared."""
     path = folder / str(given.file)
     try:
-        data = path.read_bytes()
-        bsdf = files.read(path)
+        found = data_set(str(given.file), folder, traced=traced)
+        path = found.sources[0]
+        sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
+        own_mark = sha256 if found.is_stored else mark(found.bsdf)
+        bsdf = found.bsdf
         bsdf = bsdf.flipped() if given.flipped else bsdf
         bsdf.model("exterior", "transmission")
     except FileNotFoundError:
@@ -218,18 +225,20 @@ def _source(given: Given, folder: Path, key: str) -> Source:
     resolution: Literal["klems", "high"] = (
         given.resolution if given.resolution in ("klems", "high") else "high" if fine else "klems"
     )
-    return Source(given, path, hashlib.sha256(data).hexdigest(), bsdf, resolution)
+    return Source(given, path, sha256, own_mark, bsdf, resolution)
 
 
-def _pane(pane: Pane, key: str, folder: Path) -> tuple[Bsdf, tuple[object, ...]]:
-    """The data set of a pane, and what it depends on."""
-    fields = pane.model_dump(exclude_none=True)
-    bsdf, _ = system_of(room_keys.System(**fields, treatment="high"), key, folder)
-    mark = None if pane.file is None else hashlib.sha256((folder / pane.file).read_bytes()).hexdigest()
-    return bsdf, (fields.get("glass"), fields.get("glass_reflectance"), mark)
+def _pane(pane: Pane, key: str, folder: Path, traced: Traced | None) -> Bsdf:
+    return system_of(room_keys.System(**pane.model_dump(exclude_none=True), treatment="high"), key, folder, traced).bsdf
 
 
-def load(source: str | os.PathLike[str], *, without: Sequence[str] = (), weather: str | None = None) -> RoundRobin:
+def load(
+    source: str | os.PathLike[str],
+    *,
+    without: Sequence[str] = (),
+    weather: str | None = None,
+    traced: Traced | None = None,
+) -> RoundRobin:
     """A round robin from its TOML file.
 
     Parameters
@@ -240,6 +249,8 @@ def load(source: str | os.PathLike[str], *, without: Sequence[str] = (), weather
         Analyses that are left out, whatever the file says.
     weather
         Weather file of the year, in place of the file's.
+    traced
+        Traces samples, see `clerestory.system.dataset.data_set`.
 
     Raises
     ------
@@ -254,7 +265,7 @@ def load(source: str | os.PathLike[str], *, without: Sequence[str] = (), weather
         changes: dict[str, object] = {"analyses": [a for a in recipe.analyses if a not in without]}
         if weather is not None:
             changes["year"] = recipe.year.model_copy(update={"weather": weather})
-        return RoundRobin(recipe.model_copy(update=changes), path.parent)
+        return RoundRobin(recipe.model_copy(update=changes), path.parent, traced)
     except RecipeError as error:
         raise RecipeError(f"{path}: {error}") from error
 

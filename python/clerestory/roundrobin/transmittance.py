@@ -73,7 +73,7 @@ def piece(system: System, patches: Sequence[int]) -> Piece:
         return packed(found.to_dict(), **{name: render(figure, ".png", dpi=_DPI) for name, figure in figures.items()})
 
     key = {
-        "files": [[label, source.sha256, source.given.flipped] for label, (_, source) in sources.items()],
+        "files": [[label, source.mark, source.given.flipped] for label, (_, source) in sources.items()],
         "patches": list(patches),
     }
     count = len(sources)

@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from clerestory.bsdf import Bsdf
     from clerestory.system.window import Built
 
+    Traced = Callable[..., Bsdf]
+    """Traces a sample, with the settings of `trace.measure`."""
+
 SYSTEMS = Shelf(Path(__file__).parent / "systems", "specification of a window", "system build")
 names = SYSTEMS.names
 
@@ -58,7 +61,9 @@ class Specified:
 
 
 def load(
-    source: str | os.PathLike[str] | Mapping[str, Any], *, tell: Callable[[str], object] | None = None
+    source: str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    traced: Traced | None = None,
 ) -> Specified:
     """A window from a specification.
 
@@ -66,8 +71,8 @@ def load(
     ----------
     source
         A TOML file, the name of one that comes with Clerestory (`names` lists them), or tables as TOML has them.
-    tell
-        Called with words on what is being made, where that takes time.
+    traced
+        Traces the sample of a recipe, as `trace.measure` does; anew each time by default.
 
     Raises
     ------
@@ -79,10 +84,10 @@ def load(
     from collections.abc import Mapping
 
     if isinstance(source, Mapping):
-        return _made(_checked(source), Path(), [], tell)
+        return _made(_checked(source), Path(), [], traced)
     path = SYSTEMS.find(str(source))
     try:
-        return _made(_checked(read_toml(path)), path.parent, [path], tell)
+        return _made(_checked(read_toml(path)), path.parent, [path], traced)
     except ClerestoryError as error:
         text = str(error)
         raise type(error)(text if text.startswith(f"{source}:") else f"{source}: {text}") from None
@@ -105,9 +110,7 @@ def _checked(tables: Mapping[str, Any]) -> Specification:
         raise RecipeError(f"layer {number} ({name}): {text}") from None
 
 
-def _made(
-    specification: Specification, folder: Path, sources: list[Path], tell: Callable[[str], object] | None
-) -> Specified:
+def _made(specification: Specification, folder: Path, sources: list[Path], traced: Traced | None) -> Specified:
     solids: list[Layer] = []
     gaps: list[Gap] = []
     basis = specification.system.basis
@@ -117,7 +120,7 @@ def _made(
             gaps.append(Gap(keys.name or gas, keys.width_mm / 1000.0, keys.shares))
             continue
         try:
-            layer = _layer(keys, folder, basis, sources, tell)
+            layer = _layer(keys, folder, basis, sources, traced)
         except ClerestoryError as error:
             raise RecipeError(f"layer {number} ({_called(keys)}): {error}") from None
         except OSError as error:
@@ -142,13 +145,13 @@ def _layer(
     folder: Path,
     basis: str,
     sources: list[Path],
-    tell: Callable[[str], object] | None,
+    traced: Traced | None,
 ) -> Layer:
     if isinstance(keys, GlassKeys):
         return _glass(keys, folder, sources)
     if isinstance(keys, FileKeys):
         return _file(keys, folder, sources)
-    return _traced(keys, folder, basis, sources, tell)
+    return _of_recipe(keys, folder, basis, sources, traced)
 
 
 def _thermal(keys: GlassKeys | FileKeys | RecipeKeys, known: Thermal) -> Thermal:
@@ -216,9 +219,7 @@ def _file(keys: FileKeys, folder: Path, sources: list[Path]) -> Layer:
     )
 
 
-def _traced(
-    keys: RecipeKeys, folder: Path, basis: str, sources: list[Path], tell: Callable[[str], object] | None
-) -> Layer:
+def _of_recipe(keys: RecipeKeys, folder: Path, basis: str, sources: list[Path], traced: Traced | None) -> Layer:
     from clerestory import trace
     from clerestory.trace.shipped import RECIPES
 
@@ -230,9 +231,7 @@ def _traced(
         else:
             RECIPES.find(given)
     sample = trace.load(given)
-    if tell is not None:
-        tell(f"tracing {sample.name}")
-    measured = trace.measure(
+    measured = (traced or trace.measure)(
         sample,
         basis=keys.basis or basis,
         resolution=keys.resolution,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,11 +10,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from clerestory._core import ClerestoryError, FileFormatError, MissingDataError
+from clerestory.measure.formats import igdb_dat, product_json
+from clerestory.measure.formats.tokens import lines_of
 from clerestory.system.glass import Glass, Thermal
 
 if TYPE_CHECKING:
     import os
 
+    from clerestory.directions import Scatter, Side
+    from clerestory.measure.sphere import Collected
     from clerestory.system.glass import Angles, Coated
 
 LARGEST = 16 << 20
@@ -27,6 +30,12 @@ SIDES: dict[str, Coated] = {
     "neither": "neither",
     "na": "neither",
 }
+COLUMNS: tuple[tuple[Side, Scatter], ...] = (
+    ("exterior", "transmission"),
+    ("exterior", "reflection"),
+    ("interior", "reflection"),
+)
+"""Of a pane's spectra: T, Rf and Rb."""
 PLAIN = ("monolithic", "")
 """Kinds that go by Fresnel's equations if no face is coated."""
 
@@ -67,18 +76,13 @@ def read_glass(path: str | os.PathLike[str], *, angles: Angles | None = None, ro
 
 def parse(data: bytes, name: str, *, angles: Angles | None = None, roos_category: float = 4.0) -> Glass:
     """The pane of a file's bytes; `name` stands in where the file gives none."""
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        # Older files of the database name products in Latin letters.
-        text = data.decode("latin-1")
-    start = text.lstrip()[:1]
-    if start == "{" and not re.search(r"^\{\s*(Units|Thickness)", text.lstrip(), re.IGNORECASE):
-        found = _of_json(text, name)
-    elif start == "{":
-        found = _of_text(text, name)
+    start = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
+    if igdb_dat.recognises(data, name) or re.match(rb"\{\s*(Units|Thickness)", start, re.IGNORECASE):
+        found = _of_text(igdb_dat.spectra(data), name)
+    elif start.startswith(b"{"):
+        found = _of_product(product_json.parsed(data), name)
     else:
-        found = _of_csv(text, name)
+        found = _of_csv("\n".join(lines_of(data)), name)
     kind, coated = found["kind"], found["coated"]
     chosen: Angles = angles or ("fresnel" if kind in PLAIN and coated == "neither" else "clear-bronze")
     rows = found.pop("rows")
@@ -94,52 +98,29 @@ def parse(data: bytes, name: str, *, angles: Angles | None = None, roos_category
         raise FileFormatError(str(error)) from None
 
 
-def _of_text(text: str, name: str) -> dict[str, Any]:
-    """IGDB text: heads in braces, then wavelength [µm], T, R of the front, R of the back."""
-    heads: dict[str, str] = {}
-    rows: list[list[float]] = []
-    for number, line in enumerate(text.splitlines(), 1):
-        stripped = line.strip()
-        if stripped.startswith("{"):
-            inside, _, after = stripped[1:].partition("}")
-            key, colon, value = inside.partition(":")
-            heads[key.strip().lower()] = (value if colon else after).strip()
-        elif stripped:
-            rows.append(_numbers(stripped.split(), number, 4))
-    if not rows:
-        raise FileFormatError("there are no rows of wavelength, T, Rf and Rb (check the file)")
-    emissivities = re.findall(r"[-+.\deE]+", heads.get("emissivity, front back", "").partition("=")[2])
-    tir = heads.get("ir transmittance", "").partition("=")[2]
-    scale = 1000.0
-    units = heads.get("units, wavelength units", "SI Microns").lower()
-    if "nano" in units:
-        scale = 1.0
-    elif "micron" not in units:
-        raise FileFormatError(f"wavelengths in {units!r} are not known (give SI Microns or SI Nanometers)")
-    thickness = _maybe(heads.get("thickness"))
+def _of_text(found: igdb_dat.Spectra, name: str) -> dict[str, Any]:
+    """Optics' text, as `clerestory.measure.formats.igdb_dat` reads it."""
+    emissivities = re.findall(r"[-+.\deE]+", found.key("emissivity, front back").partition("=")[2])
+    thickness = _maybe(found.key("thickness"))
     return {
-        "name": heads.get("product name") or name,
-        "rows": np.array(rows) * [scale, 1.0, 1.0, 1.0],
+        "name": found.key("product name") or name,
+        "rows": found.table,
         "thermal": Thermal(
             thickness_m=None if thickness is None else thickness / 1000.0,
-            conductivity=_maybe(heads.get("conductivity")),
+            conductivity=_maybe(found.key("conductivity")),
             emissivity_exterior=_maybe(emissivities[0] if emissivities else None),
             emissivity_interior=_maybe(emissivities[1] if len(emissivities) > 1 else None),
-            tir=_maybe(tir),
+            tir=_maybe(found.key("ir transmittance").partition("=")[2]),
         ),
-        "coated": _coated(heads.get("coated side")),
-        "kind": heads.get("type", "").lower(),
-        "manufacturer": heads.get("manufacturer") or None,
+        "coated": _coated(found.key("coated side")),
+        "kind": found.key("type").lower(),
+        "manufacturer": found.key("manufacturer") or None,
         "warnings": (),
     }
 
 
-def _of_json(text: str, name: str) -> dict[str, Any]:
-    """A product of the IGSDB, version 1 (`measured_data`) or 2 (`physical_properties`)."""
-    try:
-        product = json.loads(text)
-    except json.JSONDecodeError as error:
-        raise FileFormatError(f"line {error.lineno}: not JSON, {error.msg.lower()} (correct it there)") from None
+def _of_product(product: dict[str, Any], name: str) -> dict[str, Any]:
+    """A product of the IGSDB, as `clerestory.measure.formats.product_json` reads it, of version 1 or 2."""
     kind = str(product.get("type") or "").lower()
     if kind not in ("glazing", "material", "film", ""):
         raise MissingDataError(f"it is of type {kind!r}, not a pane (give a file of a glazing or a material)")
@@ -150,13 +131,15 @@ def _of_json(text: str, name: str) -> dict[str, Any]:
         raise FileFormatError("neither measured_data nor physical_properties is there (give a product of the IGSDB)")
     if held.get("is_specular") is False:
         warnings.append("the file says that it scatters; it is taken as clear")
-    rows = _second(held, warnings) if second else _first(product)
-    order = np.argsort(rows[:, 0], kind="stable")
+    title = str(product.get("name") or name)
+    rows = _along_normal(product, title, "direct" if second else "hemispherical", warnings)
+    if any("pv" in row for block in product_json.angle_blocks(product) for row in block.get("wavelength_data") or []):
+        warnings.append("what it turns into electricity counts as absorbed")
     prefix = "predefined_" if second else ""
     thickness = _maybe(held.get("thickness"))
     return {
-        "name": product.get("name") or name,
-        "rows": rows[order] * [1000.0, 1.0, 1.0, 1.0],
+        "name": title,
+        "rows": rows,
         "thermal": Thermal(
             thickness_m=None if thickness is None else thickness / 1000.0,
             conductivity=_maybe(held.get("conductivity")),
@@ -171,28 +154,22 @@ def _of_json(text: str, name: str) -> dict[str, Any]:
     }
 
 
-def _first(product: dict[str, Any]) -> np.ndarray:
-    held = (product.get("spectral_data") or {}).get("spectral_data")
-    if not held:
-        raise MissingDataError("it holds no spectra (spectral_data is empty)")
-    return np.array([_row(row, ("wavelength", "T", "Rf", "Rb"), k) for k, row in enumerate(held, 1)])
-
-
-def _second(held: dict[str, Any], warnings: list[str]) -> np.ndarray:
-    blocks = ((held.get("optical_properties") or {}).get("optical_data") or {}).get("angle_blocks") or []
-    block = next((b for b in blocks if not _maybe(b.get("incidence_angle"))), None)
-    if block is None or not block.get("wavelength_data"):
-        raise MissingDataError("it holds no spectra along the normal (optical_data.angle_blocks)")
-    rows, back = [], []
-    for k, item in enumerate(block["wavelength_data"], 1):
-        values = {"w": item.get("w"), **(item.get("specular") or {})}
-        rows.append(_row(values, ("w", "tf", "rf", "rb"), k))
-        back.append(_maybe(values.get("tb")))
-    if any(abs(b - row[1]) > 0.01 for b, row in zip(back, rows, strict=True) if b is not None):
+def _along_normal(product: dict[str, Any], title: str, part: Collected, warnings: list[str]) -> np.ndarray:
+    """Wavelength [nm], transmittance, reflectance of front and back (n, 4) along the normal."""
+    spectra = next((found for theta, found in product_json.by_angle(product, title) if theta == 0.0 and found), None)
+    if spectra is None:
+        raise MissingDataError("it holds no spectra along the normal (export it with its spectral data)")
+    front, *reflected = (spectra.get((side, scatter, part), {}) for side, scatter in COLUMNS)
+    waves = sorted({wave for found in (front, *reflected) for wave in found})
+    for letters, found in zip(("T", "Rf", "Rb"), (front, *reflected), strict=True):
+        missing = next((wave for wave in waves if wave not in found), None)
+        if missing is not None or not waves:
+            place = f" at {missing:g} nm" if missing is not None else ""
+            raise FileFormatError(f"{letters} of {title}{place} is missing (add it)")
+    back = spectra.get(("interior", "transmission", part), {})
+    if any(abs(back[wave] - front[wave]) > 0.01 for wave in back.keys() & front.keys()):
         warnings.append("transmittance differs by side; that from the front is taken")
-    if any("pv" in item for item in block["wavelength_data"]):
-        warnings.append("what it turns into electricity counts as absorbed")
-    return np.array(rows)
+    return np.array([[wave, *(found[wave] for found in (front, *reflected))] for wave in waves])
 
 
 def _of_csv(text: str, name: str) -> dict[str, Any]:
@@ -244,14 +221,6 @@ def _numbers(words: list[str], number: int, count: int) -> list[float]:
     if len(values) < count or not np.isfinite(values).all():
         raise FileFormatError(f"line {number}: {count} finite numbers are asked for (wavelength, T, Rf, Rb)")
     return values
-
-
-def _row(held: dict[str, Any], keys: tuple[str, ...], number: int) -> list[float]:
-    values = [_maybe(held.get(key)) for key in keys]
-    for key, value in zip(keys, values, strict=True):
-        if value is None:
-            raise FileFormatError(f"row {number} of the spectrum: {key} is missing or no number (add it)")
-    return [value for value in values if value is not None]
 
 
 def _maybe(value: object) -> float | None:

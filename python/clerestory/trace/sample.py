@@ -59,7 +59,8 @@ class Sample:
         shop = Workshop(folder, self._specs, self._media, recipe.bands)
         self.shapes: list[Shape] = recipe.sample.placed(shop, "sample")
         """Its layers, from the exterior to the interior."""
-        self._files = [*shop.files, *(folder / m.file for m in recipe.materials.values() if isinstance(m, Measured))]
+        self.files = [*shop.files, *(folder / m.file for m in recipe.materials.values() if isinstance(m, Measured))]
+        """Files that it was made from, beside the recipe."""
         self.warnings = shop.warnings
         """What is surprising in the recipe."""
         self.core()  # Whatever the core objects to comes now.
@@ -92,7 +93,7 @@ class Sample:
 
     def content(self) -> list[bytes]:
         """The content of the files that it was made from."""
-        return [path.read_bytes() for path in self._files]
+        return [path.read_bytes() for path in self.files]
 
     def core(self) -> _core.Sample:
         """The sample as the core takes it; anew at every call."""

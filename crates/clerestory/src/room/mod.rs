@@ -14,6 +14,7 @@ mod field;
 mod glance;
 mod ledger;
 mod matrix;
+mod openings;
 mod path;
 mod picture;
 mod polygon;
@@ -43,6 +44,7 @@ use crate::progress::Progress;
 use crate::sky::{Sky, disc_solid_angle};
 
 use self::emitter::Emitters;
+use self::openings::Openings;
 use self::polygon::Polygon;
 
 /// What a surface of the scene is.
@@ -83,6 +85,7 @@ pub struct Room {
     windows: Vec<Window>,
     lights: Vec<(Polygon, Rgb)>,
     emitters: Emitters,
+    openings: Openings,
     sky: Sky,
     sun: Option<Disc>,
 }
@@ -170,15 +173,15 @@ impl Room {
         for window in &mut made {
             window.look_out(&mesh, &sky, sun.as_ref(), progress)?;
         }
-        let emitters = Emitters::new(&made, &shining);
         Ok(Self {
+            emitters: Emitters::new(&made, &shining),
+            openings: Openings::new(&made, &mesh),
             mesh,
             roles,
             materials,
             media,
             windows: made,
             lights: shining,
-            emitters,
             sky,
             sun,
         })

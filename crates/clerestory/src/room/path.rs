@@ -5,12 +5,19 @@
 //! it is too small to be found by chance.
 
 use super::ledger::Ledger;
+use super::openings::{area_about, density, pieces};
 use super::{Rgb, Role, Room};
 use crate::geometry::{Geometry, Hit, Meeting, NO_PIECE, Ray, Vec3};
 use crate::material::{Arrival, Draws, Material, Polarisation};
+use crate::sequence::r2;
 
 /// Carried shares below this are ended at random.
 const ROULETTE: f64 = 0.1;
+/// Parts of a window that are asked for a matrix are seen at about this angle (rad) by a path that carries all of its light; they
+/// are larger where each takes a ray, and where the path carries less, down to a least share.
+const FINENESS: f64 = 1.2;
+const COARSER: f64 = 2.5;
+const LEAST: f64 = 0.05;
 /// Events after which a path is cut off.
 const EVENTS: u16 = 500;
 
@@ -23,6 +30,8 @@ struct State {
     draws: Draws,
     /// Density with which its direction was drawn (1/sr); infinite where no window or light was asked instead.
     density: f64,
+    /// Into how small parts windows were divided when they were asked there (rad).
+    fineness: f64,
     /// The sun was asked for where it comes from.
     sun_asked: bool,
     medium: u16,
@@ -135,6 +144,7 @@ impl<'a> Tracer<'a> {
             slot: self.found.len() as u32 - 1,
             draws,
             density: f64::INFINITY,
+            fineness: f64::INFINITY,
             sun_asked: false,
             medium: 0,
             events: 0,
@@ -208,8 +218,18 @@ impl<'a> Tracer<'a> {
         if ray.direction.dot(hit.normal) > 0.0 {
             return;
         }
-        let share = self.by_chance(number as usize, ray, hit.distance, state.density);
-        let travel = room.windows[number as usize].disk(-ray.direction);
+        let window = &room.windows[number as usize];
+        let share = if state.density == f64::INFINITY || !self.ledger.as_ref().is_some_and(Ledger::asks_windows) {
+            1.0
+        } else {
+            let (polygon, point) = (window.polygon(), ray.origin);
+            let from = point - ray.direction * hit.distance;
+            let fineness = self.fineness(number as usize, from, state.fineness);
+            let area = area_about(polygon, from, fineness, point);
+            let asked = density(area, polygon.normal(), ray.direction, hit.distance);
+            state.density / (state.density + asked)
+        };
+        let travel = window.disk(-ray.direction);
         if let Some(ledger) = &mut self.ledger {
             // This meeting is counted already, and is none of the room's.
             ledger.window(
@@ -332,7 +352,13 @@ impl<'a> Tracer<'a> {
             return;
         }
         let room = self.room;
-        if !room.emitters.is_empty() && self.ledger.as_ref().is_none_or(Ledger::asks_windows) {
+        if let Some(ledger) = &self.ledger {
+            if ledger.asks_windows() && !room.windows.is_empty() {
+                self.ask_patches(material, arrival, ray, state, both_sides);
+            }
+            return;
+        }
+        if !room.emitters.is_empty() {
             let choice = state.draws.next();
             let u = [state.draws.next(), state.draws.next()];
             let asked = room.emitters.sample(&room.windows, &room.lights, ray.origin, choice, u);
@@ -342,7 +368,7 @@ impl<'a> Tracer<'a> {
                 self.claim(material, arrival, ray, state, both_sides, direction, target, [1.0; 3]);
             }
         }
-        if let Some(sun) = room.sun.as_ref().filter(|_| self.ledger.is_none()) {
+        if let Some(sun) = &room.sun {
             let u = [state.draws.next(), state.draws.next()];
             let solid_angle = sun.solid_angle;
             let factor = sun.radiance.map(|l| l * solid_angle);
@@ -357,6 +383,58 @@ impl<'a> Tracer<'a> {
                 factor,
             );
         }
+    }
+
+    /// Asks the windows for the ledger, at a point of each part of them, and without rays where nothing can be in the way.
+    fn ask_patches(
+        &mut self,
+        material: &Material,
+        arrival: &Arrival<'_>,
+        ray: &Ray,
+        state: &mut State,
+        both_sides: bool,
+    ) {
+        let room = self.room;
+        let shift = [state.draws.next(), state.draws.next()];
+        let most = state.weight.iter().copied().fold(0.0, f64::max);
+        state.fineness = FINENESS / most.max(LEAST).sqrt();
+        let mut count = 0;
+        for (number, window) in room.windows.iter().enumerate() {
+            let (polygon, normal) = (window.polygon(), window.polygon().normal());
+            if (polygon.corners()[0] - ray.origin).dot(normal) >= 0.0 {
+                continue;
+            }
+            let clear = room.openings.is_clear(&room.windows, number, ray.origin);
+            let fineness = self.fineness(number, ray.origin, state.fineness);
+            pieces(polygon, ray.origin, fineness, &mut |piece| {
+                let way = piece.sample(r2(count, shift)) - ray.origin;
+                count += 1;
+                let distance = way.length();
+                let direction = way * (1.0 / distance);
+                let cos = direction.dot(arrival.normal);
+                if cos == 0.0 || (cos < 0.0 && !both_sides) {
+                    return;
+                }
+                let by_chance = material.density(arrival, &state.weight, direction);
+                let share = 1.0 / (density(piece.area, normal, direction, distance) + by_chance);
+                if !clear {
+                    let target = Target::Emitter(number, by_chance);
+                    self.claim(material, arrival, ray, state, both_sides, direction, target, [share; 3]);
+                    return;
+                }
+                let f = material.evaluate::<3>(arrival, direction);
+                let value = std::array::from_fn(|c| state.weight[c] * f[c] * cos.abs() * share);
+                if let Some(ledger) = &mut self.ledger {
+                    ledger.window(number, window.disk(-direction), value, state.events);
+                }
+            });
+        }
+    }
+
+    /// Into how small parts a window is divided as seen from a point (rad): coarser if each takes a ray.
+    fn fineness(&self, number: usize, from: Vec3, fineness: f64) -> f64 {
+        let clear = self.room.openings.is_clear(&self.room.windows, number, from);
+        if clear { fineness } else { COARSER * fineness }
     }
 
     /// Notes light from a direction, times a factor, that a surface scatters back along the path.
@@ -449,6 +527,11 @@ impl<'a> Tracer<'a> {
         if met != emitter || ray.direction.dot(hit.normal) > 0.0 {
             return;
         }
+        if let Some(ledger) = &mut self.ledger {
+            let travel = room.windows[emitter].disk(-ray.direction);
+            ledger.window(emitter, travel, claim.value, claim.state.events);
+            return;
+        }
         let asked = room
             .emitters
             .density(&room.windows, &room.lights, emitter, ray.direction, hit.distance);
@@ -456,13 +539,6 @@ impl<'a> Tracer<'a> {
             return;
         }
         let share = 1.0 / (asked + by_chance);
-        if let Some(ledger) = &mut self.ledger {
-            if let Some(window) = room.windows.get(emitter) {
-                let travel = window.disk(-ray.direction);
-                ledger.window(emitter, travel, claim.value.map(|v| v * share), claim.state.events);
-            }
-            return;
-        }
         if emitter >= windows {
             let (_, radiance) = &room.lights[emitter - windows];
             self.pay(&claim, radiance.map(|r| r * share));

@@ -75,6 +75,11 @@ impl Polygon {
         self.normal
     }
 
+    /// Triangles that it is made of.
+    pub fn triangles(&self) -> &[[Vec3; 3]] {
+        &self.triangles
+    }
+
     /// Its area (m²).
     pub fn area(&self) -> f64 {
         self.areas.last().copied().unwrap_or_default()

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
@@ -12,15 +13,21 @@ from clerestory.cli.common import (
     UsageError,
     note,
     one_of,
+    plain,
     print_json,
     read,
     refuse_overwriting,
     say,
     table,
 )
-from clerestory.cli.measure.options import DatabaseOption, SampleOption
+from clerestory.cli.measure.inputs import contents_of, measurement_of
+from clerestory.cli.measure.keeping import KeepOption, Kept, Made, NoteOption, keep, stem_of
+from clerestory.cli.measure.options import DatabaseOption, DateOption, LaboratoryOption, SampleOption
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from clerestory.measure import Measurement
     from clerestory.measure.calibrate import Agreement, Factor
     from clerestory.measure.sphere import SphereValues
 
@@ -30,6 +37,7 @@ _STANDARDS = ("en410", "iso9050", "nfrc300")
 
 
 def calibrate(
+    context: typer.Context,
     data: Annotated[
         str,
         typer.Argument(
@@ -62,14 +70,21 @@ def calibrate(
     ] = "mountain",
     sample: SampleOption = None,
     db: DatabaseOption = None,
+    laboratory: LaboratoryOption = None,
+    date: DateOption = None,
+    note_: NoteOption = None,
+    keep_: KeepOption = True,
     as_json: JsonOption = False,
 ) -> None:
     """Compare data with a sphere's direct-hemispherical values and scale them so that they agree.
 
-    The integral becomes the measured value at every measured angle, and factors are interpolated between them.
+    The integral becomes the measured value at every measured angle, and factors are interpolated between them. What was
+    made of a model or of scans of the database is kept there too.
 
     Example: clerestory measure calibrate film.xml --sphere film-sphere.csv --scale scattered -o calibrated.xml
     """
+    from clerestory.measure.files import writable_formats
+
     part = one_of(scaling, "--scale", _SCALINGS)
     weighed = one_of(standard, "--standard", _STANDARDS)
     if picture is not None and picture.suffix not in (".png", ".pdf", ".svg"):
@@ -77,30 +92,45 @@ def calibrate(
     if output is not None:
         refuse_overwriting(output, [Path(data), *map(Path, sphere)])
     values = _sphere_values(sphere, sample, db)
+    words = [data, *sphere]
+    said = {
+        "scale": part,
+        "reciprocal": reciprocal or None,
+        "standard": weighed,
+        "laboratory": laboratory,
+        "date": date,
+    }
+    settings = {key: value for key, value in said.items() if value is not None}
+    notes = [note_] if note_ else []
+
+    def keeping(made: Made) -> Kept | None:
+        told = replace(made, settings=settings, spheres=values, notes=notes)
+        return keep(context, told, words, db) if keep_ else None
+
     if data.lower().endswith(_MODELS):
-        _model(Path(data), values, output, part, weighed, picture, reciprocal=reciprocal, as_json=as_json)
+        if (laboratory, date) != (None, None):
+            raise UsageError("--laboratory and --date choose scans of the database, not data sets (leave them out)")
+        _model(Path(data), values, output, part, weighed, picture, keeping, reciprocal=reciprocal, as_json=as_json)
         return
     if reciprocal or part == "both":
         raise UsageError(
             f"{data}: scans are scaled by all, scattered or peak, without --reciprocal (fit a model first)"
         )
-    _scans(data, values, output, part, weighed, picture, format_, sample, db, as_json=as_json)
+    form = one_of(format_, "--format", tuple(writable_formats()))
+    measurement = measurement_of([data], db, sample, {}, laboratory=laboratory, date=date)
+    _scans(measurement, values, output, part, weighed, picture, form, keeping, as_json=as_json)
 
 
 def _sphere_values(words: list[str], sample: str | None, db: str | None) -> list[SphereValues]:
-    from clerestory.measure.given import contents_given
-
-    found = contents_given(words, database=db)
-    for text in found.warnings:
-        note(f"warning: {text}")
-    samples = list(dict.fromkeys(v.sample for v in found.sphere_values))
+    found = contents_of(words, db, {}).sphere_values
+    samples = list(dict.fromkeys(v.sample for v in found))
     if not samples:
         raise UsageError(f"--sphere {' '.join(words)}: no values of a sphere in it")
     if sample is not None and sample in samples:
-        return [v for v in found.sphere_values if v.sample == sample]
+        return [v for v in found if v.sample == sample]
     if len(samples) > 1:
         raise UsageError(f"--sphere: values of several samples: {', '.join(samples)} (name one by --sample)")
-    return list(found.sphere_values)
+    return list(found)
 
 
 def _model(
@@ -110,6 +140,7 @@ def _model(
     part: str,
     standard: str,
     picture: Path | None,
+    keeping: Callable[[Made], Kept | None],
     *,
     reciprocal: bool,
     as_json: bool,
@@ -127,30 +158,33 @@ def _model(
         done = calibrated(bsdf, values, scaling=part, reciprocal=reciprocal, standard=standard)  # type: ignore[arg-type]
     lost = done.bsdf.write(output)
     warnings = (*done.warnings, *lost)
-    _tell(done.before, done.after, done.factors, warnings, picture, [output], as_json=as_json)
+    step = {
+        "step": "calibration",
+        "what": f"scaled to a sphere's values ({part} light): RMS difference {100.0 * done.before.rms:.2g} %, now"
+        f" {100.0 * done.after.rms:.2g} %",
+        "figures": plain({"factors": done.factors}),
+        "warnings": list(warnings),
+    }
+    kept = keeping(Made([output], stem_of(output), {}, [step], model=path))
+    _tell(done.before, done.after, done.factors, warnings, picture, [output], kept, as_json=as_json)
 
 
 def _scans(
-    data: str,
+    measurement: Measurement,
     values: list[SphereValues],
     output: Path | None,
     part: str,
     standard: str,
     picture: Path | None,
-    format_: str,
-    sample: str | None,
-    db: str | None,
+    form: str,
+    keeping: Callable[[Made], Kept | None],
     *,
     as_json: bool,
 ) -> None:
-    from dataclasses import replace
-
     from clerestory.measure.calibrate import calibrated_scans, of_scans
-    from clerestory.measure.files import writable_formats, write
-    from clerestory.measure.given import measurement_given
+    from clerestory.measure.files import write
+    from clerestory.measure.prepare.step import Prepared
 
-    form = one_of(format_, "--format", tuple(writable_formats()))
-    measurement = measurement_given([data], sample=sample, database=db)
     other = {v.sample for v in values} - {measurement.sample, ""}
     if other:
         note(f"warning: scans of {measurement.sample!r} beside a sphere's values of {', '.join(sorted(other))!r}")
@@ -160,7 +194,10 @@ def _scans(
     done = calibrated_scans(measurement, values, scaling=part, standard=standard)  # type: ignore[arg-type]
     written = write(replace(done.measurement, scans=done.measurement.of()), output, form)
     warnings = (*done.step.warnings, *written.notes)
-    _tell(done.before, done.after, (), warnings, picture, list(written.paths), as_json=as_json)
+    steps = cast("list[dict[str, object]]", plain(Prepared(done.measurement, (done.step,)).record()))
+    name = f"{measurement.sample} calibrated"
+    kept = keeping(Made(written.paths, name, {}, steps, kind="scans", scans=measurement.scans))
+    _tell(done.before, done.after, (), warnings, picture, list(written.paths), kept, as_json=as_json)
 
 
 def _tell(
@@ -170,6 +207,7 @@ def _tell(
     warnings: tuple[str, ...],
     picture: Path | None,
     written: list[Path],
+    kept: Kept | None = None,
     *,
     as_json: bool,
 ) -> None:
@@ -188,6 +226,7 @@ def _tell(
                 "factors": factors,
                 "warnings": warnings,
                 "written": written,
+                "kept": kept,
             }
         )
         return
@@ -215,6 +254,8 @@ def _tell(
         written = [path for path in written if path == picture]
     for path in written:
         note(f"wrote {path}")
+    if kept is not None:
+        note(kept.words)
 
 
 def _rows(agreement: Agreement) -> list[dict[str, object]]:

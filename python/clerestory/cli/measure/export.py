@@ -27,7 +27,10 @@ _MODELS = "xml"
 def export(
     sample: Annotated[
         str | None,
-        typer.Argument(metavar="SAMPLE", help="Its name; with --format xml, all samples if none is given."),
+        typer.Argument(
+            metavar="SAMPLE|model:N|report:N",
+            help="A sample's name (all samples by default with --format xml); or a model or report, as it is kept.",
+        ),
     ] = None,
     *,
     output: Annotated[
@@ -50,7 +53,8 @@ def export(
 ) -> None:
     """Write a sample's scans as files that other programs read, with the conditions in their headers.
 
-    With --format xml, write its models, or those of all samples, as BSDF XML with catalogue.json and catalogue.html.
+    With --format xml, write its models, or those of all samples, as BSDF XML with catalogue.json and catalogue.html. A
+    model, prepared scans or a report (model:3, report:1) come out as the very files that were kept.
 
     Example: clerestory measure export twill --format mountain -o twill/ --db lab.sqlite
     """
@@ -63,10 +67,15 @@ def export(
     if chosen == _MODELS and (laboratory, date, incident) != (None, None, None):
         raise UsageError("--format xml: models are not chosen by --laboratory, --date or --incident (leave them out)")
     direction = incident_of(incident)
+    kind, _, number = (sample or "").partition(":")
     with open_database(db) as database:
-        if sample is not None:
-            database.sample(sample)
-        if chosen == _MODELS:
+        if kind in ("model", "report") and number.isdigit():
+            if (laboratory, date, incident) != (None, None, None):
+                raise UsageError(f"{sample}: --laboratory, --date and --incident choose scans (leave them out)")
+            paths, notes = _kept(database, kind, int(number), output), []
+        elif chosen == _MODELS:
+            if sample is not None:
+                database.sample(sample)
             paths, notes = _publish(database, sample, output)
         else:
             paths, notes = _scans(database, str(sample), output, known[chosen], laboratory, date, direction)
@@ -76,6 +85,37 @@ def export(
     for text in notes:
         note(f"note: {text}")
     note(f"wrote {paths[0]}" if len(paths) == 1 else f"wrote {len(paths)} files to {output}")
+
+
+def _kept(database: Database, kind: str, number: int, output: Path) -> list[Path]:
+    """The files of a model or a report, byte by byte; several come into a folder."""
+    import io
+    import zipfile
+
+    from clerestory.whole import write_whole
+
+    if kind == "report":
+        report = database.report(number)
+        files = {report.file_name: database.report_bytes(number)}
+    else:
+        model = database.model(number)
+        content = database.model_bytes(number)
+        if len(model.files) == 1:
+            files = {model.file_name: content}
+        else:
+            with zipfile.ZipFile(io.BytesIO(content)) as archive:
+                files = {name: archive.read(name) for name in model.files}
+    if len(files) == 1 and not output.is_dir():
+        write_whole(output, next(iter(files.values())))
+        return [output]
+    if output.exists() and not output.is_dir():
+        raise UsageError(f"{output}: a file, and {kind}:{number} is {len(files)} files (give a folder)")
+    output.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for name, data in files.items():
+        paths.append(output / Path(name).name)
+        write_whole(paths[-1], data)
+    return paths
 
 
 def _publish(database: Database, sample: str | None, output: Path) -> tuple[list[Path], list[str]]:

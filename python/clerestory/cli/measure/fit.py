@@ -14,21 +14,25 @@ from clerestory.cli.common import (
     about,
     note,
     one_of,
+    plain,
     print_json,
     progress,
     refuse_overwriting,
     say,
 )
 from clerestory.cli.measure.budgets import as_rows, budgets_of, say_budgets
+from clerestory.cli.measure.inputs import measurement_of, words_of
+from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep, stem_of
 from clerestory.cli.measure.options import (
     ColumnOption,
     ConventionOption,
     DatabaseOption,
+    DateOption,
     FileScatterOption,
     FileSideOption,
+    LaboratoryOption,
     SampleOption,
     choices_of,
-    open_database,
 )
 
 if TYPE_CHECKING:
@@ -44,12 +48,13 @@ _SUFFIXES = (".xml", ".xml.gz", ".bsdf.npz")
 
 
 def fit(
+    context: typer.Context,
     inputs: Annotated[
-        list[str],
+        list[str] | None,
         typer.Argument(
             metavar="FILE…|SAMPLE", help="Files or folders of scans, or a sample of the database.", show_default=False
         ),
-    ],
+    ] = None,
     *,
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="OUT", help=".bsdf.npz, .xml or .xml.gz.", show_default=False)
@@ -88,8 +93,18 @@ def fit(
         float | None,
         typer.Option(metavar="DEG", help="Full angle of source and detector together, where files do not say."),
     ] = None,
+    report: Annotated[
+        Path | None,
+        typer.Option(
+            "--report", metavar="OUT", help="How good it is, with measured points beside the model: .html or .pdf."
+        ),
+    ] = None,
     db: DatabaseOption = None,
     sample: SampleOption = None,
+    laboratory: LaboratoryOption = None,
+    date: DateOption = None,
+    note_: NoteOption = None,
+    keep_: KeepOption = True,
     side: FileSideOption = None,
     scatter: FileScatterOption = None,
     convention: ConventionOption = None,
@@ -99,9 +114,10 @@ def fit(
     """Make a model of every pair of directions from scans of a few incident ones, and say how good it is.
 
     Scattered points become lobes, which move from where one incident direction has them to where the next one does. The
-    report has the error of each measured direction left out. Values beyond what was measured are extrapolated.
+    report has the error of each measured direction left out. Values beyond what was measured are extrapolated. A model
+    of scans of the database is kept there, with the way back to its points.
 
-    Example: clerestory measure fit scans/ -o twill.bsdf.npz --symmetry rotational
+    Example: clerestory measure fit twill --db lab.sqlite -o twill.bsdf.npz --symmetry rotational --report twill.html
     """
     from clerestory.measure.interpolant import METHODS
     from clerestory.measure.interpolant import fit as fitted
@@ -121,9 +137,14 @@ def fit(
         raise UsageError(f"--level {level:g}: a percentage from 0 to below 100")
     if cone is not None and not 0.0 <= cone < 90.0:
         raise UsageError(f"--cone {cone:g}: degrees from 0 to below 90")
-    files = [Path(text) for text in inputs]
-    refuse_overwriting(output, [file for file in files if file.exists()])
-    measurement = _measurement(inputs, db, sample, choices_of(side, scatter, convention, column))
+    words = words_of(inputs, sample)
+    if report is not None:
+        if report.suffix.lower() not in (".html", ".pdf"):
+            raise UsageError(f"--report {report}: not a kind of report (give .html or .pdf)")
+        refuse_overwriting(report, [Path(text) for text in words])
+    refuse_overwriting(output, [Path(text) for text in words])
+    choices = choices_of(side, scatter, convention, column)
+    measurement = measurement_of(words, db, sample, choices, laboratory=laboratory, date=date)
     with progress("fit") as done:
         made = fitted(measurement, method=chosen_method, symmetry=chosen_symmetry, channels=channel, progress=done)
     found = _uncertainties(measurement, made, basis, level, cone) if uncertainty else {}
@@ -137,6 +158,28 @@ def fit(
                 bsdf = with_errors(bsdf, found, progress=done)
     with about(output):
         notes = bsdf.write(output)
+    if report is not None:
+        from clerestory.measure.interpolant.report import write_report
+
+        write_report(report, made, measurement)
+    settings = {"method": made.method, "symmetry": symmetry, "channels": channel, "basis": basis}
+    if basis in _TREES:
+        settings |= {"resolution": resolution, "cull": cull}
+    settings |= {"laboratory": laboratory, "date": date, **choices}
+    if uncertainty:
+        settings |= {"level_percent": level, "cone_deg": cone}
+    kept = None
+    if keep_:
+        result = Made(
+            [output],
+            stem_of(output),
+            {key: value for key, value in settings.items() if value is not None},
+            _steps(made, basis, notes),
+            scans=measurement.scans,
+            report=report,
+            notes=[note_] if note_ else [],
+        )
+        kept = keep(context, result, words, db)
     if as_json:
         components = [
             asdict(component)
@@ -155,6 +198,8 @@ def fit(
                 "components": components,
                 "uncertainty": as_rows(told),
                 "warnings": [*made.warnings, *notes],
+                "report": report,
+                "kept": kept,
             }
         )
         return
@@ -163,7 +208,21 @@ def fit(
     for line in made.lines():
         say(line)
     say_budgets(told)
-    note(f"wrote {output}")
+    for path in filter(None, (output, report)):
+        note(f"wrote {path}")
+    if kept is not None:
+        note(kept.words)
+
+
+def _steps(made: Fit, basis: str | None, notes: list[str]) -> list[dict[str, object]]:
+    """What was done, for the database."""
+    figures = plain([asdict(component) for component in made.components])
+    steps: list[dict[str, object]] = [
+        {"step": "fit", "what": "; ".join(made.lines()), "figures": figures, "warnings": list(made.warnings)}
+    ]
+    if basis is not None:
+        steps.append({"step": "conversion", "what": f"a table on {basis}", "warnings": notes})
+    return steps
 
 
 def _uncertainties(
@@ -190,27 +249,3 @@ def _converted(bsdf: Bsdf, basis: str, resolution: int, cull: float, done: objec
         rank = cast('Literal["tensor3", "tensor4"]', basis)
         return bsdf.to_tree(rank, resolution=resolution, reduce=cull, progress=call)
     return bsdf.to_matrix(Basis.named(basis), progress=call)
-
-
-def _measurement(inputs: list[str], db: str | None, sample: str | None, choices: dict[str, object]) -> Measurement:
-    """Scans of one sample, of files or of the database."""
-    from clerestory.measure import read
-
-    there = [text for text in inputs if Path(text).exists()]
-    if len(there) < len(inputs):
-        if there or len(inputs) > 1:
-            missing = next(text for text in inputs if text not in there)
-            raise UsageError(f"{missing}: no such file (give files and folders, or one sample of the database)")
-        with open_database(db) as database:
-            return database.measurement(inputs[0])
-    contents = read(inputs, **choices)  # type: ignore[arg-type]  # what a person says is checked there
-    for text in contents.warnings:
-        note(f"warning: {text}")
-    kept = [one for one in contents.measurements if sample in (None, one.sample)]
-    if not kept:
-        names = ", ".join(one.sample for one in contents.measurements) or "none"
-        raise UsageError(f"no scans of {sample or 'a sample'} in these files (samples there: {names})")
-    if len(kept) > 1:
-        names = ", ".join(one.sample for one in kept)
-        raise UsageError(f"scans of several samples: {names} (choose one with --sample)")
-    return kept[0]

@@ -26,6 +26,7 @@ _KINDS = (
     "samples",
     "runs",
     "scans",
+    "spheres",
     "files",
     "models",
     "reports",
@@ -40,6 +41,7 @@ _FILTERS = {
     "samples": ("sample",),
     "runs": ("laboratory", "date"),
     "scans": ("sample", "laboratory", "date", "incident"),
+    "spheres": ("sample",),
     "files": ("sample",),
     "models": ("sample",),
 }
@@ -110,6 +112,8 @@ def _rows(
         return database.runs(laboratory=laboratory, date=date)
     if kind == "files":
         return database.files(sample=sample)
+    if kind == "spheres":
+        return database.stored_sphere_values(sample=sample)
     if kind == "models":
         return database.models(sample=sample)
     if kind == "reports":
@@ -176,11 +180,22 @@ _COLUMNS: dict[str, tuple[tuple[str, str], ...]] = {
         ("lowest", "value_min"),
         ("highest", "value_max"),
     ),
+    "spheres": (
+        ("sphere", "id"),
+        ("sample", "sample"),
+        ("file", "file"),
+        ("side", "side"),
+        ("scatter", "scatter"),
+        ("collected", "collected"),
+        ("light", "light_words"),
+        ("values", "what"),
+    ),
     "files": (
         ("file", "id"),
         ("name", "name"),
         ("SHA-256", "sha256"),
         ("format", "format"),
+        ("convention", "chosen"),
         ("imported", "imported"),
         ("scans", "scans"),
         ("sphere", "sphere_values"),
@@ -188,6 +203,7 @@ _COLUMNS: dict[str, tuple[tuple[str, str], ...]] = {
     "models": (
         ("model", "id"),
         ("name", "name"),
+        ("of", "kind"),
         ("sample", "sample"),
         ("file", "file_name"),
         ("made", "made"),

@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clerestory.cli.common import UsageError, angle_pair, scatter_of, side_of
+from clerestory.cli.common import UsageError, angle_pair, one_of, scatter_of, side_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from clerestory.measure.database import Database
 
 DatabaseOption = Annotated[
@@ -39,14 +41,18 @@ ConventionOption = Annotated[
     list[str] | None,
     typer.Option(
         "--convention",
-        metavar="KEY=VALUE",
-        help="How files count sides and azimuths, where they do not say: front, seen_from (a side), up_deg (an angle).",
+        metavar="NAME|KEY=VALUE",
+        help="How files count sides and azimuths: hslu, window, pab, pab-up-90, clerestory; or, where they do not say,"
+        " front, seen_from (a side), up_deg (an angle).",
     ),
 ]
 ColumnOption = Annotated[
     list[str] | None,
     typer.Option("--column", metavar="WHAT=NAME", help="A column of a CSV file whose name does not tell."),
 ]
+
+
+_CONVENTIONS = ("clerestory", "hslu", "window", "pab", "pab-up-90")
 
 
 def choices_of(
@@ -58,7 +64,14 @@ def choices_of(
         choices["side"] = side_of(side)
     if scatter is not None:
         choices["scatter"] = scatter_of(scatter)
-    for key, value in _pairs(convention, "--convention", "up_deg=0"):
+    named = [word for word in convention or [] if "=" not in word]
+    if named:
+        if len(named) > 1:
+            raise UsageError(
+                f"--convention {' '.join(named)}: several names (give one, and KEY=VALUE for what differs)"
+            )
+        choices["convention"] = one_of(named[0], "--convention", (*_CONVENTIONS, "a pair such as up_deg=0"))
+    for key, value in _pairs([word for word in convention or [] if "=" in word], "--convention", "up_deg=0"):
         if key not in ("front", "seen_from", "up_deg"):
             raise UsageError(f"--convention {key}={value}: not known (give front, seen_from or up_deg)")
         choices[key] = _angle(key, value) if key == "up_deg" else side_of(value, f"--convention {key}")
@@ -74,6 +87,15 @@ def incident_of(text: str | None) -> tuple[float | None, float | None]:
     if "," in text:
         return angle_pair(text, "--incident")
     return angle_pair(f"{text},0", "--incident")[0], None
+
+
+def thing(word: str, kinds: Sequence[str], command: str) -> tuple[str, int]:
+    """What a person means by `model:3`: its kind and its number."""
+    kind, _, number = word.partition(":")
+    if kind not in kinds or not number.isdigit():
+        listed = ", ".join(f"{one}:N" for one in kinds)
+        raise UsageError(f"{word}: not something to {command} (give {listed}; `clerestory measure list` has numbers)")
+    return kind, int(number)
 
 
 def open_database(given: str | None, *, upgrade: bool = False) -> Database:

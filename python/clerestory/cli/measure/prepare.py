@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, cast
 
 import typer
 
 from clerestory.cli.common import JsonOption, UsageError, note, one_of, plain, print_json, say, write_whole
+from clerestory.cli.measure.inputs import measurement_of, words_of
+from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep
 from clerestory.cli.measure.options import (
     ColumnOption,
     ConventionOption,
     DatabaseOption,
+    DateOption,
     FileScatterOption,
     FileSideOption,
+    LaboratoryOption,
     SampleOption,
     choices_of,
 )
@@ -29,10 +33,11 @@ _SYMMETRIES = ("auto", "isotropic", "quadrilateral", "left-right", "up-down", "r
 
 
 def prepare(
-    words: Annotated[
-        list[str],
+    context: typer.Context,
+    inputs: Annotated[
+        list[str] | None,
         typer.Argument(metavar="FILE|SAMPLE…", help="Scans of a sample, the beam and the dark.", show_default=False),
-    ],
+    ] = None,
     *,
     output: Annotated[
         Path,
@@ -84,6 +89,10 @@ def prepare(
     fill: Annotated[bool, typer.Option("--fill", help="Fill incident directions by reversed paths.")] = False,
     sample: SampleOption = None,
     db: DatabaseOption = None,
+    laboratory: LaboratoryOption = None,
+    date: DateOption = None,
+    note_: NoteOption = None,
+    keep_: KeepOption = True,
     side: FileSideOption = None,
     scatter: FileScatterOption = None,
     convention: ConventionOption = None,
@@ -92,12 +101,12 @@ def prepare(
 ) -> None:
     """Turn scans into BSDF: dark, beam, frame, peaks and hemisphere together, limits, noise, bands, symmetry.
 
-    Every step is told and kept in OUT.record.json; the files given are not changed.
+    Every step is told and kept in OUT.record.json; the files given are not changed. What was made of scans of the
+    database is kept there too, so that a model of it leads back to what the instrument saw.
 
     Example: clerestory measure prepare twill/ --symmetry rotational -o prepared/
     """
     from clerestory.measure.files import writable_formats, write
-    from clerestory.measure.given import measurement_given
     from clerestory.measure.prepare import Settings
     from clerestory.measure.prepare import prepare as prepared_of
 
@@ -105,7 +114,11 @@ def prepare(
     levels: tuple[Level, ...] = ("as measured", "coarse", "fine")
     chosen = next(name for name in levels if name == one_of(level, "--level", levels))
     limit: float | Literal["auto"] = "auto" if grazing == "auto" else _number(grazing, "--grazing")
-    measurement = measurement_given(words, sample=sample, database=db, **choices_of(side, scatter, convention, column))
+    words = words_of(inputs, sample)
+    choices = choices_of(side, scatter, convention, column)
+    if preset is not None and "convention" in choices:
+        raise UsageError("--preset and --convention NAME say the same of angles twice (leave one out)")
+    measurement = measurement_of(words, db, sample, choices, laboratory=laboratory, date=date)
     settings = Settings(
         convention=None if preset is None else one_of(preset, "--preset", _PRESETS),
         detector_cone_deg=detector_cone,
@@ -122,8 +135,21 @@ def prepare(
     record = output.with_name(f"{output.name}.record.json")
     content = {"sample": measurement.sample, "from": [str(word) for word in words], "steps": done.record()}
     write_whole(record, json.dumps(plain(content), indent=2, ensure_ascii=False) + "\n")
+    kept = None
+    if keep_:
+        said = {**asdict(settings), "laboratory": laboratory, "date": date, **choices}
+        result = Made(
+            written.paths,
+            f"{measurement.sample} prepared",
+            {key: value for key, value in said.items() if value not in (None, {}, ())},
+            cast("list[dict[str, object]]", plain(done.record())),
+            kind="scans",
+            scans=measurement.scans,
+            notes=[note_] if note_ else [],
+        )
+        kept = keep(context, result, words, db)
     if as_json:
-        print_json({**content, "written": written.paths, "record": record, "notes": written.notes})
+        print_json({**content, "written": written.paths, "record": record, "notes": written.notes, "kept": kept})
         return
     for step in done.steps:
         say(f"{step.name}: {step.words}")
@@ -133,6 +159,8 @@ def prepare(
         note(f"note: {text}")
     note(f"wrote {written.paths[0]}" if len(written.paths) == 1 else f"wrote {len(written.paths)} files to {output}")
     note(f"wrote {record}")
+    if kept is not None:
+        note(kept.words)
 
 
 def _bands(texts: list[str], measurement: Measurement, standard: str) -> dict[str, dict[str, float]]:

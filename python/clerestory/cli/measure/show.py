@@ -1,10 +1,11 @@
-"""`clerestory measure show`: a sample, a scan, a file or a model in words."""
+"""`clerestory measure show`: what the database knows of a sample, a scan, a file, a model and so on."""
 
 from __future__ import annotations
 
 import hashlib
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
@@ -14,13 +15,18 @@ from clerestory.cli.measure.options import DatabaseOption, open_database
 if TYPE_CHECKING:
     from clerestory.measure.database import Database
 
+T = TypeVar("T")
+
+_KINDS = ("sample", "scan", "sphere", "file", "model", "report", "run", "configuration")
+
 
 def show(
     what: Annotated[
         str,
         typer.Argument(
-            metavar="SAMPLE|SCAN|FILE|MODEL",
-            help="Name of a sample; scan:7 or 7; name, beginning of the SHA-256 or path of a file; model:3.",
+            metavar="SAMPLE|FILE|KIND:NUMBER",
+            help="A sample's name; a file's name, path or beginning of the SHA-256; scan:7 or 7, sphere:2, model:3, "
+            "report:1, run:4, configuration:5.",
             show_default=False,
         ),
     ],
@@ -28,7 +34,7 @@ def show(
     db: DatabaseOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Say what the database knows of a sample, a scan, a file or a model: directions, values, notes, and where from.
+    """Say what the database knows of a sample, a scan, a file, a model, …: directions, values, notes, and where from.
 
     Example: clerestory measure show twill --db lab.sqlite
     """
@@ -45,23 +51,21 @@ def _found(database: Database, what: str) -> tuple[object, list[str]]:
     from clerestory.measure.database.words import about_file, about_sample
 
     kind, colon, number = what.partition(":")
-    if colon and kind in ("scan", "model") and number.isdigit():
-        if kind == "model":
-            provenance = database.provenance(int(number))
-            return provenance, provenance.lines()
-        return _scan(database, int(number))
+    if colon and kind in _KINDS and number.isdigit():
+        return _numbered(database, kind, int(number))
     sample = next((one for one in database.samples() if one.name == what), None)
     if sample is not None:
         found = {
             "sample": sample,
             "scans": database.stored_scans(sample=what),
+            "sphere_values": database.stored_sphere_values(sample=what),
             "files": database.files(sample=what),
             "models": [database.provenance(model.id) for model in database.models(sample=what)],
             "notes": database.notes("sample", sample.id),
         }
         return found, about_sample(database, sample)
     if what.isdigit():
-        return _scan(database, int(what))
+        return _numbered(database, "scan", int(what))
     files = [file for file in database.files() if file.name == what]
     if not files and len(what) >= 6:
         files = [file for file in database.files() if file.sha256.startswith(what.lower())]
@@ -69,6 +73,9 @@ def _found(database: Database, what: str) -> tuple[object, list[str]]:
         with Path(what).open("rb") as stream:
             mark = hashlib.file_digest(stream, "sha256").hexdigest()
         files = [file for file in database.files() if file.sha256 == mark]
+        made = database.made_as(mark)
+        if not files and made is not None:
+            return _numbered(database, "model", made)
         if not files:
             raise UsageError(f"{what}: not in {database.location} (take it over with `clerestory measure import`)")
     if not files:
@@ -82,10 +89,43 @@ def _found(database: Database, what: str) -> tuple[object, list[str]]:
     return files[0], about_file(database, files[0])
 
 
-def _scan(database: Database, number: int) -> tuple[object, list[str]]:
-    from clerestory.measure.database.words import about_scan
+def _numbered(database: Database, kind: str, number: int) -> tuple[object, list[str]]:
+    from clerestory.measure.database import words
 
-    stored = database.stored_scans(ids=[number])
-    if not stored:
-        raise UsageError(f"{database.location}: no scan {number} (`clerestory measure list scans` has them)")
-    return {"scan": stored[0], "conditions": dict(database.scan(number).conditions)}, about_scan(database, stored[0])
+    if kind == "model":
+        provenance = database.provenance(number)
+        found = asdict(provenance) | {"notes": database.notes("model", number)}
+        return found | {"reports": database.reports(model=number)}, words.about_model(database, number)
+    if kind == "report":
+        report = database.report(number)
+        return {"report": report, "notes": database.notes("report", number)}, words.about_report(database, report)
+    if kind == "scan":
+        stored = _one(database, database.stored_scans(ids=[number]), "scan", number)
+        found = {"scan": stored, "conditions": dict(database.scan(number).conditions)}
+        return found | {"notes": database.notes("scan", number)}, words.about_scan(database, stored)
+    if kind == "sphere":
+        values = _one(database, database.stored_sphere_values(ids=[number]), "sphere value", number)
+        return {"about": values, "values": database.sphere_value(number)}, words.about_sphere(database, values)
+    if kind == "file":
+        file = _one(database, [one for one in database.files() if one.id == number], "file", number)
+        return file, words.about_file(database, file)
+    if kind == "run":
+        run = _one(database, [one for one in database.runs() if one.id == number], "run", number)
+        scans = database.stored_scans(run=number)
+        found = {"run": run, "scans": scans, "notes": database.notes("run", number)}
+        return found, words.about_run(database, run)
+    if kind == "configuration":
+        held = [one for one in database.configurations() if one.id == number]
+        setup = _one(database, held, "configuration", number)
+        spectrum = database.lamp_spectrum(number)
+        found = {"configuration": setup, "lamp_spectrum": spectrum}
+        return found | {"notes": database.notes("configuration", number)}, words.about_configuration(database, setup)
+    sample = _one(database, [one for one in database.samples() if one.id == number], "sample", number)
+    return _found(database, sample.name)
+
+
+def _one(database: Database, found: list[T], kind: str, number: int) -> T:
+    if not found:
+        several = "spheres" if kind == "sphere value" else f"{kind}s"
+        raise UsageError(f"{database.location}: no {kind} {number} (`clerestory measure list {several}` has them)")
+    return found[0]

@@ -19,9 +19,11 @@ def is_data_set(product: str) -> bool:
 
 def specified(product: str, *, quiet: bool) -> Specified:
     """A specification with its layers made, told on the way."""
+    from clerestory.annual.cache import Cache
+    from clerestory.annual.traced import kept
     from clerestory.system.build import load
 
-    return load(product, tell=None if quiet else note)
+    return load(product, traced=kept(Cache(), None if quiet else note))
 
 
 def solved(product: str, made: Specified) -> Built:

@@ -13,12 +13,12 @@ import numpy as np
 
 from clerestory._core import ClerestoryError, UnsupportedError
 from clerestory.basis import Basis
-from clerestory.directions import SCATTERS, SIDES, angles, direction, outgoing_side
+from clerestory.directions import SCATTERS, SIDES, angles, direction
 from clerestory.integrals import direct_hemispherical
-from clerestory.measure.calibrate import reciprocal as together
 from clerestory.measure.calibrate.agreement import Agreement, of_model
 from clerestory.measure.calibrate.factors import Factors
 from clerestory.measure.calibrate.known import Known, known_values
+from clerestory.measure.calibrate.reversible import reversible
 from clerestory.measure.calibrate.split import beam_and_rest
 from clerestory.model import Model
 from clerestory.words import patch_name, percent
@@ -104,6 +104,7 @@ def calibrated(
         raise ClerestoryError(f"scaling {scaling!r} is not known (give {', '.join(SCALINGS)})")
     if reciprocal and scaling != "all":
         raise UnsupportedError("reversed paths are kept equal where all light is scaled (leave the scaling at all)")
+    _refuse_interpolants(bsdf)
     given = list(values)
     before = of_model(bsdf, given, standard=standard)
     known, _ = known_values(given, bsdf.bands, standard=standard)
@@ -138,7 +139,7 @@ def calibrated(
             " is answered by the other's: give its values)"
         )
     if reciprocal:
-        result = _reciprocal(result, targets, warnings)
+        result = reversible(result, targets, warnings)
     for factor in factors:
         warnings.append(
             factor.at.implausible(f"{factor.band}, {factor.scatter} from the {factor.side}, {factor.part} light") or ""
@@ -146,6 +147,15 @@ def calibrated(
     warnings += _energy(result)
     after = of_model(result, given, standard=standard)
     return Calibration(result, tuple(factors), before, after, tuple(dict.fromkeys(filter(None, warnings))))
+
+
+def _refuse_interpolants(bsdf: Bsdf) -> None:
+    """Before the minutes that integrating one takes."""
+    if any(model.kind == "interpolant" for members in bsdf.models.values() for model in members.values()):
+        raise UnsupportedError(
+            "an interpolant has no patches whose light could be scaled (convert it to klems-full or tensor4 first, or"
+            " calibrate its scans and fit them)"
+        )
 
 
 class _Component:
@@ -312,78 +322,6 @@ def _part_ratio(wanted: Floats, held: Floats, where: str) -> Floats:
     if len(dark):
         raise ClerestoryError(f"{where}: patch {int(dark[0]) + 1} has no such light that could be scaled (scale all)")
     return np.divide(np.maximum(wanted, 0.0), held, out=np.ones_like(held), where=held > 0.0)
-
-
-def _reciprocal(bsdf: Bsdf, targets: dict[tuple[str, Side, Scatter], Floats], warnings: list[str]) -> Bsdf:
-    models: dict[str, dict[tuple[Side, Scatter], Model]] = {}
-    for band in bsdf.bands:
-        held = bsdf.models[band]
-        for side in SIDES:
-            wanted = targets.get((band, side, "reflection"))
-            if wanted is None:
-                continue
-            model = held[side, "reflection"]
-            basis = _reversible(model)
-            _say_breach(model, model, f"{band}, reflection from the {side}", warnings)
-            found = together.reflection(model.values, basis, wanted)
-            models.setdefault(band, {})[side, "reflection"] = Model.matrix(found.values, basis)
-            _say(found, f"{band}, reflection from the {side}", warnings)
-        first: Side = "exterior" if (band, "exterior", "transmission") in targets else "interior"
-        front = targets.get((band, first, "transmission"))
-        if front is None:
-            continue
-        other = outgoing_side(first, "transmission")
-        back = targets.get((band, other, "transmission"))
-        model = held[first, "transmission"]
-        basis = _reversible(model)
-        where = f"{band}, transmission"
-        if (other, "transmission") in held:
-            _reversible(held[other, "transmission"])
-            _say_breach(model, held[other, "transmission"], where, warnings)
-        if back is None:
-            # One side alone: its factors are those of its incident patches, and the other side is its reverse.
-            sums = basis.projected_solid_angles @ np.maximum(model.values, 0.0)
-            table = np.maximum(model.values, 0.0) * np.divide(front, sums, out=np.zeros_like(front), where=sums > 0.0)
-        else:
-            found = together.transmission(model.values, basis, front, back)
-            _say(found, where, warnings)
-            table = found.values
-        made = Model.matrix(table, basis)
-        models.setdefault(band, {})[first, "transmission"] = made
-        if (other, "transmission") in held:
-            models[band][other, "transmission"] = made.reciprocal()
-    return bsdf.with_models(models)
-
-
-def _reversible(model: Model) -> Basis:
-    if model.kind != "matrix" or model.incident_basis != model.outgoing_basis:
-        raise UnsupportedError(
-            f"reversed paths are kept equal for square matrices, not a {model.kind} (convert it to klems-full first)"
-        )
-    if (model.incident_basis.reversed < 0).any():
-        raise UnsupportedError(
-            f"{model.incident_basis.name} has patches without a reverse (convert it to klems-full first)"
-        )
-    return model.incident_basis
-
-
-def _say_breach(front: Model, back: Model, where: str, warnings: list[str]) -> None:
-    breach = front.reciprocity_error(back)
-    if breach > 0.01:
-        warnings.append(f"{where}: reversed paths differed by {percent(breach)} before; they are equal now")
-
-
-def _say(found: together.Scaled, where: str, warnings: list[str]) -> None:
-    if abs(found.uneven - 1.0) > 0.01:
-        warnings.append(
-            f"{where}: the sphere's values of the two sides differ by {percent(abs(found.uneven - 1.0))} in the"
-            " hemispherical value, which reciprocity makes equal; those from the interior were scaled"
-        )
-    if found.residual > 1e-4:
-        warnings.append(
-            f"{where}: no table with equal reversed paths has all these values; the largest difference is"
-            f" {found.residual:.2g}"
-        )
 
 
 def _energy(bsdf: Bsdf) -> list[str]:

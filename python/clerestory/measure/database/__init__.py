@@ -1,7 +1,8 @@
 """The laboratory's database: samples, runs, files, scans with their points, models and where each came from.
 
-`Database` is one class in layers, a file each: `connection` opens it, `reading` asks, `writing` imports, `models` keeps
-what was made of scans, `database` takes out. `tables` is the schema, `migrations` its history.
+`Database` is one class in layers, a file each: `connection` opens it, `spheres` and `reading` ask, `writing` imports,
+`origins` finds measured values again, `models` and `reports` keep what was made of them, `database` takes out. `tables`
+is the schema, `migrations` its history.
 """
 
 from clerestory.measure.database.connection import DEFAULT, VARIABLE, Location, location
@@ -11,6 +12,7 @@ from clerestory.measure.database.records import (
     Configuration,
     File,
     Note,
+    Origin,
     Provenance,
     Run,
     Sample,
@@ -29,6 +31,7 @@ __all__ = [
     "File",
     "Location",
     "Note",
+    "Origin",
     "Provenance",
     "Run",
     "Sample",

@@ -8,7 +8,7 @@ from sqlalchemy import delete, or_, select
 
 from clerestory._core import ClerestoryError
 from clerestory.measure.database import blobs, tables
-from clerestory.measure.database.models import Models
+from clerestory.measure.database.reports import Reports
 
 if TYPE_CHECKING:
     from sqlalchemy import ColumnElement, Select, Table
@@ -19,7 +19,7 @@ _LINKS = ((tables.scans, tables.model_scans), (tables.sphere_values, tables.mode
 _REMOVABLE: tuple[Subject, ...] = ("sample", "file", "scan", "model", "report")
 
 
-class Database(Models):
+class Database(Reports):
     """A laboratory's database that is open: see `Database.open`."""
 
     def remove(self, subject: Subject, number: int) -> None:
@@ -47,6 +47,9 @@ class Database(Models):
             link = tables.report_models
             on = select(tables.reports.c.name).join_from(tables.reports, link).where(link.c.model_id == number)
             self._refuse(on, "report", f"model {number}")
+            made = tables.model_parents
+            on = select(table.c.name).join_from(table, made, table.c.id == made.c.model_id)
+            self._refuse(on.where(made.c.parent_id == number), "model", f"model {number}")
         blob = self._connection.execute(select(table.c.blob_id).where(table.c.id == number)).scalar_one()
         self._delete(table, table.c.id == number)
         blobs.drop(self._connection, blob)

@@ -74,7 +74,7 @@ def publish(
     ClerestoryError
         There are no models, or one is no BSDF that can be written; the text names it.
     """
-    chosen = [model for model in database.models() if samples is None or model.sample in samples]
+    chosen = [m for m in database.models() if m.kind == "model" and (samples is None or m.sample in samples)]
     if not chosen:
         raise ClerestoryError(f"{database.location}: no models to publish (`clerestory measure fit` makes them)")
     target = Path(folder)

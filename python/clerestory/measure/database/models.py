@@ -1,4 +1,4 @@
-"""Models and reports in the database, and the way back from each to the raw points."""
+"""Models and prepared scans in the database, and the way back from each to the raw points."""
 
 from __future__ import annotations
 
@@ -11,23 +11,24 @@ from sqlalchemy import func, insert, select
 from clerestory import _core
 from clerestory._core import ClerestoryError
 from clerestory.measure.database import blobs, tables
-from clerestory.measure.database.marks import mark_of_scan, mark_of_sphere
-from clerestory.measure.database.records import Provenance, StoredModel, StoredReport, StoredSphereValues
-from clerestory.measure.database.writing import Writing
+from clerestory.measure.database.origins import Origins
+from clerestory.measure.database.records import Provenance, StoredModel
+from clerestory.measure.source import digest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from sqlalchemy import Table
+    from sqlalchemy import Column, Table
 
+    from clerestory.measure.database.records import Kind
     from clerestory.measure.scan import Scan
     from clerestory.measure.sphere import SphereValues
 
-_models, _reports = tables.models, tables.reports
+_models, _parents = tables.models, tables.model_parents
 _of_scans, _of_spheres = tables.model_scans, tables.model_sphere_values
 
 
-class Models(Writing):
+class Models(Origins):
     """What was made of measurements."""
 
     def add_model(
@@ -37,25 +38,39 @@ class Models(Writing):
         data: bytes,
         *,
         file_name: str,
-        scans: Iterable[Scan],
+        scans: Iterable[Scan] = (),
         sphere_values: Iterable[SphereValues] = (),
+        parents: Iterable[int] = (),
         command: str,
         settings: Mapping[str, object] | None = None,
+        kind: Kind = "model",
+        steps: Sequence[Mapping[str, object]] = (),
+        files: Mapping[str, str] | None = None,
     ) -> int:
-        """Store a model with its provenance; the number that it has.
+        """Store a model, or prepared scans, with their provenance; the number that they have.
+
+        What the sample has already, byte by byte, is not stored again.
 
         Parameters
         ----------
         name
             One a sample.
         data
-            The model's file, usually a `.bsdf.npz`. It is kept in the database, where no path can go stale.
+            The file, usually a `.bsdf.npz` or XML. It is kept in the database, where no path can go stale.
         scans, sphere_values
-            What it was made of, as it came from the database: raw, not prepared.
+            What it was made of: as it came from the database, raw, or with the file that it was read from.
+        parents
+            Numbers of models or prepared scans that it was made from; what those were made of counts too.
         command
             What made it, as a person would type it.
         settings
             With what, all that changes the result.
+        kind
+            `model`, or `scans` for prepared ones.
+        steps
+            What was done in order, each with `step`, `what`, and `settings`, `figures`, `warnings`.
+        files
+            SHA-256 of the files written by name, by which they are known again; the one of `data` by default.
 
         Raises
         ------
@@ -63,49 +78,68 @@ class Models(Writing):
             The sample has another model of this name, or a scan is not in the database.
         """
         self.sample(sample)
+        mark = digest(data)
         with self.transaction():
-            if any(model.name == name for model in self.models(sample=sample)):
+            there = self.models(sample=sample)
+            for model in there:
+                if model.sha256 == mark:
+                    return model.id
+            if any(model.name == name for model in there):
                 raise ClerestoryError(f"{self.location}: {sample} has a model {name!r} (choose another name)")
+            origin = self.origin(scans, sphere_values)
+            above = tuple(dict.fromkeys([*parents, *origin.parents]))
+            if origin.unknown:
+                raise ClerestoryError(
+                    f"{self.location}: {', '.join(origin.unknown)} that the model was made of is not in the database "
+                    "(import its file first, and give scans as they were measured, not prepared ones)"
+                )
+            of_scans = self._inherited(_of_scans.c.scan_id, _of_scans, above, origin.scans)
+            of_spheres = self._inherited(_of_spheres.c.sphere_value_id, _of_spheres, above, origin.sphere_values)
+            if not of_scans:
+                raise ClerestoryError(f"model {name!r}: nothing says what it was made of (give its scans)")
             owner = self._rows.put(tables.samples, {"name": sample}, {})
             number = self._rows.insert(
                 _models,
                 {
                     "sample_id": owner,
                     "name": name,
+                    "kind": kind,
                     "file_name": file_name,
                     "blob_id": blobs.keep(self._connection, data),
                     "command": command,
                     "settings": json.dumps(dict(settings or {}), default=str),
+                    "steps": json.dumps([dict(step) for step in steps], default=str),
+                    "files": json.dumps(dict(files or {file_name: mark})),
                     "version": _core.__version__,
                     "made": datetime.now(UTC),
                 },
             )
-            marks = [mark_of_scan(scan) for scan in scans]
-            if not marks:
-                raise ClerestoryError(f"model {name!r}: nothing says what it was made of (give its scans)")
-            self._link(_of_scans, tables.scans, owner, number, marks)
-            self._link(
-                _of_spheres, tables.sphere_values, owner, number, [mark_of_sphere(values) for values in sphere_values]
-            )
+            for link, column, ids in (
+                (_of_scans, "scan_id", of_scans),
+                (_of_spheres, "sphere_value_id", of_spheres),
+                (_parents, "parent_id", above),
+            ):
+                for one in ids:
+                    self._connection.execute(insert(link).values(**{"model_id": number, column: one}))
         return number
 
-    def _link(self, link: Table, table: Table, sample: int, model: int, marks: Sequence[str]) -> None:
-        asked = select(table.c.mark, table.c.id).where(table.c.sample_id == sample)
-        there: dict[str, list[int]] = {}
-        for mark, number in self._connection.execute(asked):
-            there.setdefault(mark, []).append(number)
-        column = f"{table.name.removesuffix('s')}_id"
-        for mark in dict.fromkeys(marks):
-            if mark not in there:
-                raise ClerestoryError(
-                    f"{self.location}: a scan or sphere value that the model was made of is not in the database "
-                    "(import its file first, and give scans as they were measured, not prepared ones)"
-                )
-            for number in there[mark]:
-                self._connection.execute(insert(link).values(**{"model_id": model, column: number}))
+    def unused_name(self, sample: str, wish: str) -> str:
+        """A name that no model of a sample has: the wish, or the wish with a number."""
+        taken = {model.name for model in self.models(sample=sample)}
+        name, k = wish, 2
+        while name in taken:
+            name, k = f"{wish} {k}", k + 1
+        return name
+
+    def _inherited(
+        self, column: Column[int], link: Table, parents: Sequence[int], own: Sequence[int]
+    ) -> tuple[int, ...]:
+        """What something was made of: its own, and that of what it was made from."""
+        asked = select(column).where(link.c.model_id.in_(parents)).order_by(column)
+        return tuple(dict.fromkeys([*self._connection.execute(asked).scalars(), *own]))
 
     def models(self, *, sample: str | None = None) -> list[StoredModel]:
-        """All models, or those of a sample, the oldest first."""
+        """All models and prepared scans, or those of a sample, the oldest first."""
 
         def number(link: Table) -> Any:  # noqa: ANN401  # SQLAlchemy's expressions
             return select(func.count()).where(link.c.model_id == _models.c.id).scalar_subquery()
@@ -125,8 +159,19 @@ class Models(Writing):
         if sample is not None:
             asked = asked.where(tables.samples.c.name == sample)
         with self._reading() as connection:
+            above: dict[int, list[int]] = {}
+            for model, parent in connection.execute(select(_parents.c.model_id, _parents.c.parent_id)):
+                above.setdefault(model, []).append(parent)
             return [
-                StoredModel(**{**row, "settings": json.loads(row["settings"])})
+                StoredModel(
+                    **{
+                        **row,
+                        "settings": json.loads(row["settings"]),
+                        "steps": tuple(json.loads(row["steps"])),
+                        "files": json.loads(row["files"]) or {row["file_name"]: row["sha256"]},
+                    },
+                    parents=tuple(sorted(above.get(row["id"], ()))),
+                )
                 for row in connection.execute(asked).mappings()
             ]
 
@@ -152,23 +197,17 @@ class Models(Writing):
         model = self.model(number)
         with self._reading() as connection:
             ids = connection.execute(select(_of_scans.c.scan_id).where(_of_scans.c.model_id == number)).scalars().all()
-            spheres = tables.sphere_values
-            columns = [c for c in spheres.c if c.name in StoredSphereValues.__dataclass_fields__]
-            asked = (
-                select(*columns, tables.samples.c.name.label("sample"), tables.files.c.name.label("file"))
-                .select_from(spheres.join(_of_spheres).join(tables.samples).outerjoin(tables.files))
-                .where(_of_spheres.c.model_id == number)
-                .order_by(spheres.c.id)
-            )
-            values = tuple(StoredSphereValues(**row) for row in connection.execute(asked).mappings())
+            asked = select(_of_spheres.c.sphere_value_id).where(_of_spheres.c.model_id == number)
+            sphere_ids = connection.execute(asked).scalars().all()
             runs = {
                 run
-                for table, link in ((tables.scans, _of_scans), (spheres, _of_spheres))
+                for table, link in ((tables.scans, _of_scans), (tables.sphere_values, _of_spheres))
                 for run in connection.execute(
                     select(table.c.run_id).join_from(table, link).where(link.c.model_id == number)
                 ).scalars()
             }
         scans = tuple(self.stored_scans(ids=ids))
+        values = tuple(self.stored_sphere_values(ids=sphere_ids))
         files = {scan.file_id for scan in scans} | {value.file_id for value in values}
         return Provenance(
             model,
@@ -177,45 +216,6 @@ class Models(Writing):
             tuple(file for file in self.files() if file.id in files),
             tuple(run for run in self.runs() if run.id in runs),
         )
-
-    def add_report(self, name: str, data: bytes, *, file_name: str, models: Iterable[int] = ()) -> int:
-        """Store a report on models; the number that it has.
-
-        Raises
-        ------
-        ClerestoryError
-            There is another one of this name, or no such model.
-        """
-        with self.transaction():
-            if any(report.name == name for report in self.reports()):
-                raise ClerestoryError(f"{self.location}: there is a report {name!r} (choose another name)")
-            row = {"name": name, "file_name": file_name, "made": datetime.now(UTC)}
-            number = self._rows.insert(_reports, {**row, "blob_id": blobs.keep(self._connection, data)})
-            for model in models:
-                link = {"report_id": number, "model_id": self.model(model).id}
-                self._connection.execute(insert(tables.report_models).values(**link))
-        return number
-
-    def reports(self) -> list[StoredReport]:
-        """All reports, the oldest first."""
-        columns = (_reports.c.id, _reports.c.name, _reports.c.file_name, _reports.c.made, tables.blobs.c.bytes)
-        asked = select(*columns).select_from(_reports.join(tables.blobs)).order_by(_reports.c.id)
-        names = (
-            select(tables.report_models.c.report_id, _models.c.name)
-            .select_from(tables.report_models.join(_models))
-            .order_by(_models.c.id)
-        )
-        with self._reading() as connection:
-            on: dict[int, list[str]] = {}
-            for report, model in connection.execute(names):
-                on.setdefault(report, []).append(model)
-            return [
-                StoredReport(**row, models=tuple(on.get(row["id"], ()))) for row in connection.execute(asked).mappings()
-            ]
-
-    def report_bytes(self, number: int) -> bytes:
-        """The file of a report."""
-        return self._content(_reports, number, "report")
 
     def _content(self, table: Table, number: int, what: str) -> bytes:
         with self._reading() as connection:

@@ -12,10 +12,8 @@ from clerestory._core import ClerestoryError
 from clerestory.measure.contents import Contents
 from clerestory.measure.database import blobs, records, tables
 from clerestory.measure.database.columns import unpack
-from clerestory.measure.database.connection import Connected
+from clerestory.measure.database.spheres import Spheres, source_of
 from clerestory.measure.scan import Measurement, Scan
-from clerestory.measure.source import Source
-from clerestory.measure.sphere import SphereValues
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -24,6 +22,7 @@ if TYPE_CHECKING:
 
     from clerestory.directions import Scatter, Side
     from clerestory.measure.scan import Purpose
+    from clerestory.measure.source import Source
 
 NEAR_DEG = 0.5
 """Incident directions within this angle [°] are the one that was asked for."""
@@ -33,7 +32,7 @@ _spheres, _notes, _models = tables.sphere_values, tables.notes, tables.models
 _instruments, _configurations = tables.instruments, tables.configurations
 
 
-class Reading(Connected):
+class Reading(Spheres):
     """Questions to the database."""
 
     def samples(self) -> list[records.Sample]:
@@ -148,6 +147,7 @@ class Reading(Connected):
         purpose: Purpose | None = None,
         side: Side | None = None,
         scatter: Scatter | None = None,
+        run: int | None = None,
         ids: Sequence[int] | None = None,
     ) -> list[records.StoredScan]:
         """Scans without their points, in the order in which they were imported.
@@ -169,6 +169,8 @@ class Reading(Connected):
         wanted += [column == value for column, value in pairs if value is not None]
         if theta_deg is not None:
             wanted.append(_scans.c.theta_deg.between(theta_deg - NEAR_DEG, theta_deg + NEAR_DEG))
+        if run is not None:
+            wanted.append(_scans.c.run_id == run)
         if ids is not None:
             wanted.append(_scans.c.id.in_(list(ids)))
         columns = [c for c in _scans.c if c.name not in _NOT_LISTED]
@@ -235,16 +237,20 @@ class Reading(Connected):
         )
         return Measurement(sample, tuple(self.scans(stored)), self._warnings(sample))
 
-    def sphere_values(self, sample: str) -> list[SphereValues]:
-        """What integrating spheres gave for a sample."""
-        asked = select(_spheres).join(_samples).where(_samples.c.name == sample).order_by(_spheres.c.id)
-        sources: dict[int, Source] = {}
-        with self._reading() as connection:
-            return [_sphere(connection, sample, row, sources) for row in _rows(connection, asked)]
+    def contents(self, sample: str, *, laboratory: str | None = None, date: str | None = None) -> Contents:
+        """Scans (of a laboratory, of days that begin so) and all sphere values of a sample, as a file would hold them.
 
-    def contents(self, sample: str) -> Contents:
-        """Scans and sphere values of a sample, as a file would hold them."""
-        measurement = self.measurement(sample)
+        Raises
+        ------
+        ClerestoryError
+            There is no such sample, or no such scan of it.
+        """
+        measurement = self.measurement(sample, laboratory=laboratory, date=date)
+        if not measurement.scans and (laboratory, date) != (None, None):
+            raise ClerestoryError(
+                f"{self.location}: no scan of {sample!r} by {laboratory or 'any laboratory'}"
+                f"{f' of {date}' if date else ''} (`clerestory measure list runs` has laboratories and days)"
+            )
         values = tuple(self.sphere_values(sample))
         return Contents((measurement,) if measurement.scans else (), values)
 
@@ -292,16 +298,6 @@ def _file(row: RowMapping) -> records.File:
     return records.File(**fields, kept=row["blob_id"] is not None)
 
 
-def _source(connection: Connection, number: int | None, sources: dict[int, Source]) -> Source | None:
-    if number is None:
-        return None
-    if number not in sources:
-        columns = (_files.c.name, _files.c.sha256, _files.c.format, _files.c.header, _files.c.convention)
-        row = connection.execute(select(*columns).where(_files.c.id == number)).one()
-        sources[number] = Source(row.name, row.sha256, row.format, tuple(json.loads(row.header)), row.convention)
-    return sources[number]
-
-
 def _scan(connection: Connection, row: RowMapping, sources: dict[int, Source]) -> Scan:
     channels = tuple(json.loads(row["channels"]))
     count, width = row["points"], len(channels)
@@ -333,24 +329,5 @@ def _scan(connection: Connection, row: RowMapping, sources: dict[int, Source]) -
         standard_errors=errors,
         purpose=row["purpose"],
         conditions=json.loads(row["conditions"]),
-        source=_source(connection, row["file_id"], sources),
-    )
-
-
-def _sphere(connection: Connection, sample: str, row: RowMapping, sources: dict[int, Source]) -> SphereValues:
-    columns, bands = unpack(row["data"]), tuple(json.loads(row["bands"]))
-    wavelengths = None if bands else columns.pop(0)
-    return SphereValues(
-        sample,
-        row["side"],
-        row["scatter"],
-        float("nan") if row["theta_deg"] is None else row["theta_deg"],
-        columns[0],
-        collected=row["collected"],
-        wavelength_nm=wavelengths,
-        bands=bands,
-        phi_deg=row["phi_deg"],
-        standard_errors=columns[1] if row["errors"] else None,
-        conditions=json.loads(row["conditions"]),
-        source=_source(connection, row["file_id"], sources),
+        source=source_of(connection, row["file_id"], sources),
     )

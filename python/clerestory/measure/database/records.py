@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from itertools import groupby
+from typing import TYPE_CHECKING, Literal, cast
 
 from clerestory.counts import counted
 from clerestory.directions import direction, incident_in_words, outgoing_in_words, outgoing_side
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from clerestory.measure.scan import Purpose, Quantity
     from clerestory.measure.sphere import Collected
 
+Kind = Literal["model", "scans"]
 Subject = Literal["sample", "instrument", "configuration", "run", "file", "scan", "model", "report"]
 SUBJECTS: tuple[Subject, ...] = (
     "sample",
@@ -102,6 +104,12 @@ class File:
     scans: int
     sphere_values: int
 
+    @property
+    def chosen(self) -> str:
+        """What a person said of its convention: a preset's name, or keys and values; empty if nothing."""
+        said = {key: self.choices[key] for key in ("convention", "front", "seen_from", "up_deg") if key in self.choices}
+        return ", ".join(value if key == "convention" else f"{key}={value}" for key, value in said.items())
+
 
 @dataclass(frozen=True)
 class StoredScan:
@@ -161,25 +169,64 @@ class StoredSphereValues:
     theta_deg: float | None
     """None for diffuse light."""
     phi_deg: float
+    bands: tuple[str, ...]
+    """Empty for a spectrum."""
+
+    @property
+    def what(self) -> str:
+        """Bands, or a spectrum."""
+        return ", ".join(self.bands) or "spectrum"
+
+    @property
+    def light_words(self) -> str:
+        """What light was measured."""
+        return "evenly diffuse" if self.theta_deg is None else f"θ {self.theta_deg:g}°, φ {self.phi_deg:g}°"
 
 
 @dataclass(frozen=True)
 class StoredModel:
-    """A model that was made of scans."""
+    """A model that was made of scans, or scans that were prepared."""
 
     id: int
     sample: str
     name: str
+    kind: Kind
     file_name: str
+    """A ZIP archive of them, where several files were written."""
     bytes: int
     sha256: str
     command: str
     settings: dict[str, object]
+    steps: tuple[dict[str, object], ...]
+    """What was done, each with step, what, settings, figures and warnings."""
+    files: dict[str, str]
+    """SHA-256 of what was written, by the name of the file."""
     version: str
     """Of Clerestory, which made it."""
     made: datetime
+    parents: tuple[int, ...]
+    """Models and prepared scans that it was made from."""
     scans: int
     sphere_values: int
+
+    @property
+    def words(self) -> str:
+        """Model 'x' (model:3; x.xml)."""
+        what = "model" if self.kind == "model" else "prepared scans"
+        return f"{what} {self.name!r} (model:{self.id}; {self.file_name})"
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What of the database something was made of."""
+
+    samples: tuple[str, ...]
+    scans: tuple[int, ...]
+    sphere_values: tuple[int, ...]
+    parents: tuple[int, ...]
+    """Models and prepared scans whose files were read."""
+    unknown: tuple[str, ...]
+    """What is not in the database, in words."""
 
 
 @dataclass(frozen=True)
@@ -190,6 +237,7 @@ class StoredReport:
     name: str
     file_name: str
     bytes: int
+    sha256: str
     made: datetime
     models: tuple[str, ...]
 
@@ -222,19 +270,18 @@ class Provenance:
         model = self.model
         settings = ", ".join(f"{key} = {value}" for key, value in model.settings.items()) or "none"
         lines = [
-            f"model {model.name!r} of sample {model.sample!r} ({model.file_name}, SHA-256 {model.sha256[:12]}…)",
+            f"{model.words} of sample {model.sample!r}",
+            f"  SHA-256 {model.sha256}, {model.bytes:,} bytes",
             f"  made {model.made:%Y-%m-%d %H:%M} by clerestory {model.version}: {model.command}",
             f"  settings: {settings}",
         ]
-        for file in self.files:
-            lines.append(f"  file {file.name} (SHA-256 {file.sha256[:12]}…, {file.format}; {file.convention})")
-            scans = [scan for scan in self.scans if scan.file_id == file.id]
-            if scans:
-                points = sum(scan.points for scan in scans)
-                lines.append(f"    {counted(len(scans), 'scan')} of {counted(points, 'point')}")
-            spheres = sum(values.file_id == file.id for values in self.sphere_values)
-            if spheres:
-                lines.append(f"    {counted(spheres, 'set')} of sphere values")
+        for step in model.steps:
+            lines.append(f"  step {step.get('step')}: {step.get('what')}")
+            lines += [f"    warning: {text}" for text in cast("list[str]", step.get("warnings") or [])]
+        lines += [f"  made from model:{parent}" for parent in model.parents]
+        for (form, convention), members in groupby(self.files, key=lambda file: (file.format, file.convention)):
+            lines.append(f"  {form}; {convention}:")
+            lines += [f"    {self._of_file(file)}" for file in members]
         loose = [scan for scan in self.scans if scan.file_id is None]
         if loose:
             points = sum(scan.points for scan in loose)
@@ -244,3 +291,10 @@ class Provenance:
             if any(known):
                 lines.append(f"  run: {', '.join(word for word in known if word)}")
         return lines
+
+    def _of_file(self, file: File) -> str:
+        scans = [scan for scan in self.scans if scan.file_id == file.id]
+        spheres = sum(values.file_id == file.id for values in self.sphere_values)
+        what = [f"{counted(len(scans), 'scan')} of {counted(sum(s.points for s in scans), 'point')}"] if scans else []
+        what += [f"{counted(spheres, 'set')} of sphere values"] if spheres else []
+        return f"file {file.name} (SHA-256 {file.sha256[:12]}…): {', '.join(what)}"

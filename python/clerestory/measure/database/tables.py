@@ -217,7 +217,16 @@ models = Table(
     Column("settings", Text, nullable=False),  # JSON
     Column("version", Text, nullable=False),
     Column("made", Moment, nullable=False),
+    Column("kind", String(16), nullable=False, server_default="model"),  # model; or scans, prepared ones
+    Column("steps", Text, nullable=False, server_default="[]"),  # JSON: what was done, in order
+    Column("files", Text, nullable=False, server_default="{}"),  # JSON: SHA-256 of the files written, by name
     UniqueConstraint("sample_id", "name"),
+)
+model_parents = Table(
+    "model_parents",
+    metadata,
+    _of("models", cascade=True, primary=True),
+    Column("parent_id", ForeignKey("models.id"), primary_key=True),  # the model or scans that it was made from
 )
 model_scans = Table("model_scans", metadata, _of("models", cascade=True, primary=True), _of("scans", primary=True))
 model_sphere_values = Table(

@@ -1,4 +1,4 @@
-"""A sample, a scan or a file of the database in words."""
+"""What the database holds, in words: a sample, a scan, sphere values, a file, a run, a model and so on."""
 
 from __future__ import annotations
 
@@ -12,7 +12,17 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from clerestory.measure.database.database import Database
-    from clerestory.measure.database.records import File, Sample, StoredScan
+    from clerestory.measure.database.records import (
+        Configuration,
+        File,
+        Run,
+        Sample,
+        StoredReport,
+        StoredScan,
+        StoredSphereValues,
+        Subject,
+    )
+    from clerestory.measure.scan import Scan
 
 _LISTED = 6
 
@@ -50,10 +60,22 @@ def about_sample(database: Database, sample: Sample) -> list[str]:
     names = {("file", file.id): f"{file.name}: " for file in files}
     for note in database.notes():
         if (note.subject, note.subject_id) in subjects:
-            lines.append(f"  {note.kind}: {names.get((note.subject, note.subject_id), '')}{note.text}")
+            author = f" ({note.author})" if note.author else ""
+            lines.append(f"  {note.kind}: {names.get((note.subject, note.subject_id), '')}{note.text}{author}")
     for model in database.models(sample=sample.name):
-        lines += [f"  {line}" for line in database.provenance(model.id).lines()]
+        of = counted(model.scans, "scan")
+        of += f" and {counted(model.sphere_values, 'set')} of sphere values" if model.sphere_values else ""
+        lines.append(f"  {model.words}, made {model.made:%Y-%m-%d %H:%M} of {of}")
+        lines += [f"    report {r.name!r} (report:{r.id}; {r.file_name})" for r in database.reports(model=model.id)]
     return lines
+
+
+def about_model(database: Database, number: int) -> list[str]:
+    """What is known of a model: steps, what it was made of, what was made from it, reports, notes."""
+    lines = database.provenance(number).lines()
+    lines += [f"  made from it: {one.words}" for one in database.models() if number in one.parents]
+    lines += [f"  report {one.name!r} (report:{one.id}; {one.file_name})" for one in database.reports(model=number)]
+    return lines + _notes(database, "model", number)
 
 
 def about_scan(database: Database, scan: StoredScan) -> list[str]:
@@ -78,11 +100,123 @@ def about_scan(database: Database, scan: StoredScan) -> list[str]:
                 f"φ {points.phi_deg[peak]:.4g}°{f'; {below} below 0' if below else ''}"
             )
         lines.append(f"  the highest of {scan.channels[0]} goes {scan.peak_words}")
+    if scan.purpose == "beam":
+        lines += _beam(points)
     lines += [f"  {key}: {value}" for key, value in points.conditions.items()]
     if points.source is not None:
         lines.append(f"  file: {points.source.name} ({points.source.format}; {points.source.convention})")
-    lines += [f"  {note.kind}: {note.text}" for note in database.notes("scan", scan.id)]
+    return lines + _notes(database, "scan", scan.id)
+
+
+def about_sphere(database: Database, stored: StoredSphereValues) -> list[str]:
+    """Values of a sphere: each band, or a spectrum's ends and lowest and highest values."""
+    values = database.sphere_value(stored.id)
+    lines = [
+        f"sphere value {stored.id} of sample {stored.sample}",
+        f"  {stored.collected} {stored.scatter} of light from the {stored.side}, {stored.light_words}",
+    ]
+    errors = values.standard_errors
+    if values.wavelength_nm is not None:
+        nm = values.wavelength_nm
+        low, high = int(values.values.argmin()), int(values.values.argmax())
+        lines.append(
+            f"  spectrum of {counted(len(nm), 'wavelength')}, {nm.min():g} to {nm.max():g} nm: "
+            f"{values.values[low]:.4g} at {nm[low]:g} nm to {values.values[high]:.4g} at {nm[high]:g} nm"
+        )
+    for k, band in enumerate(values.bands):
+        error = f" ± {errors[k]:.2g}" if errors is not None else ""
+        lines.append(f"  {band}: {values.values[k]:.4g}{error}")
+    lines += [f"  {key}: {value}" for key, value in values.conditions.items()]
+    if values.source is not None:
+        lines.append(f"  file: {values.source.name} ({values.source.format}; {values.source.convention})")
     return lines
+
+
+def about_run(database: Database, run: Run) -> list[str]:
+    """A run: who, when, with what, and its scans."""
+    known = [("laboratory", run.laboratory), ("operator", run.operator), ("date", run.date)]
+    lines = [f"run {run.id}", *(f"  {name}: {text}" for name, text in known if text)]
+    if run.instrument:
+        lines.append(f"  instrument: {run.instrument}, {run.configuration}")
+    for (sample, purpose), members in groupby(
+        sorted(database.stored_scans(run=run.id), key=lambda s: (s.sample, s.purpose)),
+        key=lambda s: (s.sample, s.purpose),
+    ):
+        scans = [*members]
+        of = sample if purpose == "sample" else f"{sample} ({purpose})"
+        points = sum(scan.points for scan in scans)
+        numbers = f"scan:{scans[0].id} to {scans[-1].id}" if len(scans) > 1 else f"scan:{scans[0].id}"
+        lines.append(f"  {of}: {counted(len(scans), 'scan')} of {counted(points, 'point')} ({numbers})")
+    spheres = database.stored_sphere_values(run=run.id)
+    for sample in dict.fromkeys(one.sample for one in spheres):
+        lines.append(f"  {sample}: {counted(sum(s.sample == sample for s in spheres), 'set')} of sphere values")
+    return lines + _notes(database, "run", run.id)
+
+
+def about_configuration(database: Database, setup: Configuration) -> list[str]:
+    """How an instrument was set up, its lamp's spectrum and its runs."""
+    sizes = [
+        ("spot", _millimetres(setup.spot_mm)),
+        ("cone of the source", _degrees(setup.source_cone_deg)),
+        ("cone of the detector", _degrees(setup.detector_cone_deg)),
+    ]
+    known = [("lamp", setup.lamp), ("detector", setup.detector), ("filters", setup.filters), *sizes]
+    lines = [f"{setup.instrument}: {setup.name}", *(f"  {name}: {text}" for name, text in known if text)]
+    spectrum = database.lamp_spectrum(setup.id)
+    if spectrum is not None:
+        nm, power = spectrum
+        peak = nm[int(power.argmax())]
+        lines.append(
+            f"  lamp's spectrum: {counted(len(nm), 'wavelength')}, {nm.min():g} to {nm.max():g} nm, "
+            f"highest at {peak:g} nm"
+        )
+    for run in database.runs():
+        if (run.instrument, run.configuration) == (setup.instrument, setup.name):
+            who = ", ".join(word for word in (run.laboratory, run.date) if word)
+            lines.append(f"  run:{run.id}{f' ({who})' if who else ''}: {counted(run.scans, 'scan')}")
+    return lines + _notes(database, "configuration", setup.id)
+
+
+def about_report(database: Database, report: StoredReport) -> list[str]:
+    """A report, and what it is on."""
+    lines = [
+        f"report {report.name!r} (report:{report.id}; {report.file_name})",
+        f"  SHA-256 {report.sha256}, {report.bytes:,} bytes, made {report.made:%Y-%m-%d %H:%M}",
+    ]
+    for model in database.models():
+        if report in database.reports(model=model.id):
+            lines.append(f"  on {model.words} of sample {model.sample!r}")
+    return lines + _notes(database, "report", report.id)
+
+
+def _beam(scan: Scan) -> list[str]:
+    """The beam's profile: centre and widths."""
+    from clerestory._core import ClerestoryError
+    from clerestory.measure.prepare.signature import LEVELS, signatures
+
+    try:
+        found = signatures(scan)
+    except ClerestoryError as error:
+        return [f"  profile: {error}"]
+    lines = []
+    for one in found:
+        widths = ", ".join(
+            f"{width:.3g}° wide at {100.0 * level:g} %"
+            for level, width in zip(LEVELS, one.widths_deg, strict=True)
+            if width is not None
+        )
+        lines.append(
+            f"  profile of {one.channel}: centre at θ {one.theta_deg:.4g}°, φ {one.phi_deg:.4g}°, "
+            f"{widths or 'no width (the scan does not get below half of the peak)'}"
+        )
+    return lines
+
+
+def _notes(database: Database, subject: Subject, number: int) -> list[str]:
+    return [
+        f"  {note.kind}: {note.text}{f' ({note.author})' if note.author else ''}"
+        for note in database.notes(subject, number)
+    ]
 
 
 def about_file(database: Database, file: File) -> list[str]:
@@ -99,7 +233,7 @@ def about_file(database: Database, file: File) -> list[str]:
         f"  {counted(file.scans, 'scan')} of {counted(sum(scan.points for scan in of_file), 'point')}"
         f"{f', sample {samples}' if samples else ''}; {counted(file.sphere_values, 'set')} of sphere values",
     ]
-    lines += [f"  {note.kind}: {note.text}" for note in database.notes("file", file.id)]
+    lines += _notes(database, "file", file.id)
     if file.header:
         lines += ["  header:", *(f"    {line}" for line in file.header)]
     return lines
@@ -117,6 +251,10 @@ def _facts(sample: Sample) -> list[str]:
         ("pictures", "; ".join(sample.pictures)),
     ]
     return [f"  {name}: {text}" for name, text in facts if text]
+
+
+def _degrees(angle: float | None) -> str | None:
+    return None if angle is None else f"{angle:g}°"
 
 
 def _millimetres(size: float | None) -> str | None:

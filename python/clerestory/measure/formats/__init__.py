@@ -1,8 +1,9 @@
 """Formats of measurements' files, a file each.
 
 A format is a module with `NAME`, `recognises(data, name)` and `read(data, name, **choices)`; one that can be written
-has `write(measurement, **choices)` too, which gives the content of each file by its name. A file is told by its
-content; where several formats recognise it, the first in `FORMATS` reads it: strict ones stand before tolerant ones.
+has `write(measurement, **choices)` too, which gives the content of each file by its name; one whose sides and azimuths
+a person may say has `FRAMED = True`. A file is told by its content; where several formats recognise it, the first in
+`FORMATS` reads it: strict ones stand before tolerant ones.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ FORMATS: tuple[str, ...] = (
     "integra",
     "integra_specular",
     "jdv",
+    "speos_own",
     "speos",
     "fred",
     "viavi",

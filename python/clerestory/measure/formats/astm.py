@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 NAME = "ASTM E2387"
+FRAMED = True
+"""Whether `front`, `seen_from` and `up_deg` say how its sides and azimuths count."""
 
 _ANGLES = ("theta_i", "phi_i", "theta_s", "phi_s")
 _VARS = re.compile(rb"^[ \t]*VARS[ \t]+(theta_i\b[^\r\n]*)", re.IGNORECASE | re.MULTILINE)

@@ -22,6 +22,7 @@ CHOICES: dict[str, str] = {
     "quantity": "bsdf, dsf or signal",
     "incident_theta_deg": "the incident angle",
     "incident_phi_deg": "the azimuth of the source",
+    "convention": "a laboratory's, by its name",
     "front": "exterior or interior, which the file calls front",
     "seen_from": "exterior or interior, from where azimuths run counter-clockwise",
     "up_deg": "the file's azimuth of the sample's up",

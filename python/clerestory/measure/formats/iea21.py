@@ -42,6 +42,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 NAME = "IEA Task 21"
+FRAMED = True
+"""Whether `front`, `seen_from` and `up_deg` say how its sides and azimuths count."""
 
 _INCIDENT = re.compile(r"\b(theta|phi)[_ ]?(?:1|i|in|inc)\b\s*[:=]?\s*([-+]?[\d.][^\s;]*)", re.IGNORECASE)
 _OUTGOING = re.compile(r"\b(theta|phi)[_ ]?(?:2|o|s|out|t|r)\b", re.IGNORECASE)

@@ -45,6 +45,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 NAME = "pab Mountain"
+FRAMED = True
+"""Whether `front`, `seen_from` and `up_deg` say how its sides and azimuths count."""
 
 _ROWS = 1 << 18  # written at a time
 

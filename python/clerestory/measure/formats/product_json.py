@@ -86,16 +86,7 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
     FileFormatError
         It is no JSON, or a spectrum holds what is no number or no share of the light.
     """
-    try:
-        product = json.loads(data.decode("utf-8"))
-    except UnicodeDecodeError as error:
-        raise FileFormatError(f"byte {error.start} is not UTF-8 (save it so)") from error
-    except json.JSONDecodeError as error:
-        raise FileFormatError(f"line {error.lineno}: no JSON, {error.msg} (is the file whole?)") from error
-    except RecursionError:
-        raise FileFormatError("lists within lists without end (is it a product?)") from None
-    if not isinstance(product, dict):
-        raise FileFormatError("no product, but a list or a number (give the file of one product)")
+    product = parsed(data)
     found: list[SphereValues] = []
     for part, member in enumerate(_products(product, 0)):
         title = product_name(str(member.get("name") or member.get("product_name") or ""), member.get("nfrc_id"))
@@ -105,6 +96,27 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
     if not found:
         raise FileFormatError("no spectrum and no values of bands (take the product's material)")
     return Contents((), tuple(found))
+
+
+def parsed(data: bytes) -> Json:
+    """The product that a file's bytes hold.
+
+    Raises
+    ------
+    FileFormatError
+        It is no JSON in UTF-8, or not of one product.
+    """
+    try:
+        product = json.loads(data.decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        raise FileFormatError(f"byte {error.start} is not UTF-8 (save it so)") from error
+    except json.JSONDecodeError as error:
+        raise FileFormatError(f"line {error.lineno}: no JSON, {error.msg} (is the file whole?)") from error
+    except RecursionError:
+        raise FileFormatError("lists within lists without end (is it a product?)") from None
+    if not isinstance(product, dict):
+        raise FileFormatError("no product, but a list or a number (give the file of one product)")
+    return product
 
 
 def product_name(name: str, nfrc_id: object) -> str:
@@ -129,19 +141,40 @@ def _spectra(product: Json, sample: str, source: Source) -> list[SphereValues]:
     for key in ("measured_data", "physical_properties"):
         conditions |= _texts(_object(product, key), _PHYSICS)
     found = []
-    listed = _object(product, "spectral_data")
-    quantities = _version_1(listed.get("spectral_data"), sample)
-    found += _values(quantities, sample, 0.0, conditions, source)
-    found += _dual_bands(_object(listed, "dual_band_values"), sample, conditions, source)
+    for theta, quantities in by_angle(product, sample):
+        found += _values(quantities, sample, theta, conditions, source)
+    bands = _object(_object(product, "spectral_data"), "dual_band_values")
+    return found + _dual_bands(bands, sample, conditions, source)
+
+
+def by_angle(product: Json, sample: str) -> Iterator[tuple[float, Quantities]]:
+    """Spectra of a product itself: an angle of incidence [°], and shares by side, part and wavelength [nm].
+
+    Parameters
+    ----------
+    product
+        As `parsed` gives it.
+    sample
+        Its name, for messages.
+
+    Raises
+    ------
+    FileFormatError
+        A spectrum holds what is no number or no share of the light.
+    """
+    yield 0.0, _version_1(_object(product, "spectral_data").get("spectral_data"), sample)
+    for block in angle_blocks(product):
+        theta = _number(block.get("incidence_angle") or 0, f"incidence_angle of {sample}")
+        if not 0.0 <= theta <= 90.0:
+            raise FileFormatError(f"{sample}: incidence_angle {theta:g} is not within 0 to 90° (correct it)")
+        yield theta, _version_2(block.get("wavelength_data"), sample)
+
+
+def angle_blocks(product: Json) -> list[Json]:
+    """Blocks of version 2, one for each angle of incidence."""
     optical = _object(_object(_object(product, "physical_properties"), "optical_properties"), "optical_data")
     blocks = optical.get("angle_blocks")
-    for block in blocks if isinstance(blocks, list) else []:
-        if isinstance(block, dict):
-            theta = _number(block.get("incidence_angle", 0), f"incidence_angle of {sample}")
-            if not 0.0 <= theta <= 90.0:
-                raise FileFormatError(f"{sample}: incidence_angle {theta:g} is not within 0 to 90° (correct it)")
-            found += _values(_version_2(block.get("wavelength_data"), sample), sample, theta, conditions, source)
-    return found
+    return [block for block in blocks if isinstance(block, dict)] if isinstance(blocks, list) else []
 
 
 def _version_1(rows: object, sample: str) -> Quantities:

@@ -30,8 +30,8 @@ _LAST_NUMBER = re.compile(r"(\d+(?:\.\d+)?)\s*$")
 
 
 def recognises(data: bytes, name: str) -> bool:
-    """Whether it begins with OPTIS' title."""
-    return any(line.startswith(_FIRST) for line in head_of(data)[:5])
+    """Whether it begins with OPTIS' title; later versions are of SPEOS itself (`speos_own`)."""
+    return any(line.startswith(_FIRST) and line.endswith("v1.0") for line in head_of(data)[:5])
 
 
 def read(data: bytes, name: str, **choices: object) -> Contents:

@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 __all__ = ["NAME", "read", "recognises", "write"]
 
 NAME = "table of points (CSV)"
+FRAMED = True
+"""Whether `front`, `seen_from` and `up_deg` say how its sides and azimuths count."""
 
 _COLLECTED: dict[str, Collected] = {"beam": "direct", "total": "hemispherical"}
 """Rows of one value for a hemisphere, as `clerestory trace --scan` has them."""

@@ -112,13 +112,17 @@ def converted(measurement: Measurement, convention: Convention) -> tuple[Measure
 
 def _converted(scan: Scan, convention: Convention) -> Scan:
     incident = float(convention.azimuth(scan.incident_phi_deg))
-    if convention.incident == "travel":
-        incident = (incident + 180.0) % 360.0
     outgoing = convention.azimuth(scan.phi_deg)
     side = scan.incident_side
     if convention.flipped:
         side = "interior" if side == "exterior" else "exterior"
-    return replace(scan, incident_side=side, incident_phi_deg=incident, phi_deg=outgoing)
+    turned = replace(scan, incident_side=side, incident_phi_deg=incident, phi_deg=outgoing)
+    return from_travel(turned) if convention.incident == "travel" else turned
+
+
+def from_travel(scan: Scan) -> Scan:
+    """With the azimuth of the source, where that of the light's way through the sample stands."""
+    return replace(scan, incident_phi_deg=(scan.incident_phi_deg + 180.0) % 360.0)
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ scans together, such as a coarse one of the hemisphere and fine ones of its peak
 the room.
 """
 
+from clerestory.plot.measured.beside import beside_figure
 from clerestory.plot.measured.close_up import close_up_figure
 from clerestory.plot.measured.cut import cut_figure
 from clerestory.plot.measured.mountain import mountain_figure
@@ -13,6 +14,7 @@ from clerestory.plot.measured.points import points_figure
 from clerestory.plot.measured.surface import surface_figure
 
 __all__ = [
+    "beside_figure",
     "close_up_figure",
     "cut_figure",
     "mountain_figure",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.colors import LogNorm
 
 from clerestory._core import ClerestoryError, MissingDataError
 from clerestory.directions import outgoing_in_words
@@ -16,6 +17,8 @@ from clerestory.plot.view import component_words
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from matplotlib.axes import Axes
+    from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
@@ -71,16 +74,13 @@ def cut_figure(
         for name, scans in sets.items()
     }
     first = next(iter(of.values()))
-    straight = first.through[:2]
-    azimuth = azimuth_deg
-    if azimuth is None:
-        azimuth = 270.0 if np.hypot(*straight) < 1e-6 else float(np.degrees(np.arctan2(straight[1], straight[0])))
+    azimuth = first.plane_azimuth_deg if azimuth_deg is None else azimuth_deg
     columns, rows = style.columns(of, 6.6)
     figure = style.new_figure(7.0, 4.3 + 0.19 * rows)
     ax = figure.add_subplot()
     every = []
     for n, (name, one) in enumerate(of.items()):
-        alpha, dots = _near(one, azimuth, aside_deg, quantity, clip_deg)
+        alpha, dots = near_plane(one, azimuth, aside_deg, quantity, clip_deg)
         look = style.line(n)
         line = _line(one, azimuth, scale, quantity, clip_deg)
         if not len(dots) and line is None:
@@ -101,31 +101,45 @@ def cut_figure(
         every.append(dots)
     together = np.concatenate(every)
     norm = scale_of(together, scale, limits)
-    low, high = float(norm.vmin or 0.0), float(norm.vmax or 1.0)
-    if scale == "log":
-        ax.set_yscale("log", nonpositive="mask")
-        ax.set_ylim(0.7 * low, 1.6 * high)
-    else:
-        ax.set_ylim(min(low, float(np.nanmin(together))), 1.06 * high)
-    ax.set_ylabel(style.UNITS[quantity])
-    if azimuth_deg is None:
-        at = float(np.degrees(np.arcsin(np.clip(np.hypot(*straight), 0.0, 1.0))))
-        ax.axvline(at, color="#909090", linewidth=0.8, linestyle=(0, (2, 2)), zorder=0)
-    leaving = first.scan.side
-    ends = [outgoing_in_words(in_plane(np.array(a), azimuth, leaving)).split(",")[0] for a in (-45.0, 45.0)]
-    ax.set_xlim(-90.0, 90.0)
-    ticks = [f"−90\n{ends[0]}", "−60", "−30", "0", "30", "60", f"90\n{ends[1]}"]
-    ax.set_xticks(np.arange(-90, 91, 30), ticks)
-    ax.set_xlabel(f"angle to the normal [°], leaving to the {leaving}", labelpad=-8)
+    label_plane(ax, first, azimuth, norm, together, quantity, straight=azimuth_deg is None)
     component = component_words(first.scan.channels[0], first.scan.incident_side, first.scan.scatter)
     ax.set_title(f"{component}\nincident {first.incident_words}")
-    ax.grid(visible=True)
     if any(of):
         figure.legend(loc="outside lower center", ncols=columns)
     return figure
 
 
-def _near(
+def label_plane(
+    ax: Axes,
+    one: Subject,
+    azimuth_deg: float,
+    norm: Normalize,
+    values: Floats,
+    quantity: style.Quantity,
+    *,
+    straight: bool,
+) -> None:
+    """Axes of a cut: angles from −90° to 90° with the ends in words, values on a scale, straight light dashed."""
+    low, high = float(norm.vmin or 0.0), float(norm.vmax or 1.0)
+    if isinstance(norm, LogNorm):
+        ax.set_yscale("log", nonpositive="mask")
+        ax.set_ylim(0.7 * low, 1.6 * high)
+    else:
+        ax.set_ylim(min(low, float(np.nanmin(values))), 1.06 * high)
+    ax.set_ylabel(style.UNITS[quantity])
+    if straight:
+        at = float(np.degrees(np.arcsin(np.clip(np.hypot(*one.through[:2]), 0.0, 1.0))))
+        ax.axvline(at, color="#909090", linewidth=0.8, linestyle=(0, (2, 2)), zorder=0)
+    leaving = one.scan.side
+    ends = [outgoing_in_words(in_plane(np.array(a), azimuth_deg, leaving)).split(",")[0] for a in (-45.0, 45.0)]
+    ax.set_xlim(-90.0, 90.0)
+    ticks = [f"−90\n{ends[0]}", "−60", "−30", "0", "30", "60", f"90\n{ends[1]}"]
+    ax.set_xticks(np.arange(-90, 91, 30), ticks)
+    ax.set_xlabel(f"angle to the normal [°], leaving to the {leaving}", labelpad=-8)
+    ax.grid(visible=True)
+
+
+def near_plane(
     one: Subject, azimuth_deg: float, aside_deg: float, quantity: style.Quantity, clip_deg: float
 ) -> tuple[Floats, Floats]:
     """Angles along the plane and values of the points close to it."""

@@ -59,6 +59,12 @@ class Subject:
         return continued(self.scan.incident, self.scan.scatter)
 
     @property
+    def plane_azimuth_deg(self) -> float:
+        """Azimuth [°] of the end of the plane of scattering where such light arrives; downward along the normal."""
+        x, y, _ = self.through
+        return 270.0 if np.hypot(x, y) < 1e-6 else float(np.degrees(np.arctan2(y, x)))
+
+    @property
     def through_words(self) -> str:
         """Straight through: downward, 30°."""
         name = "straight through" if self.scan.scatter == "transmission" else "mirrored"

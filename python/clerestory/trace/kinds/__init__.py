@@ -22,7 +22,18 @@ if TYPE_CHECKING:
     from clerestory.trace.workshop import Workshop
 
 Single = Annotated[
-    VenetianBlind | Louvre | LightShelf | Pane | LaserCutPanel | PrismaticFilm | ScannedProfile | Profile | Honeycomb,
+    VenetianBlind
+    | Louvre
+    | LightShelf
+    | Pane
+    | LaserCutPanel
+    | PrismaticFilm
+    | ScannedProfile
+    | Profile
+    | Honeycomb
+    | WovenFabric
+    | PerforatedScreen
+    | ExpandedMetal,
     Field(discriminator="kind"),
 ]
 """A sample of one kind."""

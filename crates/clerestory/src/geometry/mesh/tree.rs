@@ -272,7 +272,8 @@ impl Tree {
         let least = LEAST * greatest;
         let inverse = along.map(|d| 1.0 / d.abs().max(least).copysign(d) as f32);
         let side = |axis: usize| {
-            if along[axis] < 0.0 {
+            // As the inverse's sign has it: −0 counts as negative.
+            if along[axis].is_sign_negative() {
                 (axis + 3, axis)
             } else {
                 (axis, axis + 3)

@@ -1,0 +1,219 @@
+"""`clerestory measure hybrid`: measured where the instrument reached, simulated elsewhere."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, cast
+
+import typer
+
+from clerestory.cli.common import (
+    JsonOption,
+    UsageError,
+    about,
+    note,
+    one_of,
+    plain,
+    print_json,
+    progress,
+    read,
+    refuse_overwriting,
+    say,
+)
+from clerestory.cli.measure.options import (
+    ColumnOption,
+    ConventionOption,
+    DatabaseOption,
+    FileScatterOption,
+    FileSideOption,
+    SampleOption,
+    choices_of,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from clerestory.bsdf import Bsdf
+    from clerestory.measure.hybrid import Hybrid, Reach, Scale
+    from clerestory.measure.hybrid.reach import Key
+    from clerestory.measure.interpolant import Method
+    from clerestory.measure.prepare.symmetry import Symmetry
+
+_MODELS = (".xml", ".xml.gz", ".npz")
+
+
+def hybrid(
+    inputs: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="FILE…|SAMPLE",
+            help="Scans: files, folders or a sample of the database; or one measured BSDF file (.bsdf.npz, .xml).",
+            show_default=False,
+        ),
+    ],
+    *,
+    simulated: Annotated[
+        Path,
+        typer.Option("--with", metavar="FILE", help="Simulated BSDF file of the same sample.", show_default=False),
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="OUT", help=".xml, .xml.gz or .bsdf.npz.", show_default=False)
+    ],
+    basis: Annotated[
+        str, typer.Option(metavar="NAME", help="klems-full, klems-half, …, or tensor3 or tensor4 for trees.")
+    ] = "klems-full",
+    resolution: Annotated[int, typer.Option(metavar="N", help="2^N cells an axis, for trees.")] = 6,
+    cull: Annotated[float, typer.Option(metavar="PCT", help="Percentage of a tree's finest blocks to merge.")] = 90.0,
+    blend: Annotated[
+        float, typer.Option(metavar="DEG", help="Width of the band in which one passes into the other [°].")
+    ] = 10.0,
+    scale: Annotated[
+        str,
+        typer.Option(metavar="HOW", help="Simulated light as measured along the seam, over all the overlap, or none."),
+    ] = "seam",
+    incident_limit: Annotated[
+        float | None,
+        typer.Option("--incident-limit", metavar="DEG", help="Incident angle up to which measured light counts."),
+    ] = None,
+    outgoing_limit: Annotated[
+        float | None,
+        typer.Option("--outgoing-limit", metavar="DEG", help="Outgoing angle up to which measured light counts."),
+    ] = None,
+    symmetry: Annotated[
+        str,
+        typer.Option(
+            metavar="SYMMETRY", help="Of scans: auto, isotropic, quadrilateral, left-right, up-down, rotational, none."
+        ),
+    ] = "auto",
+    method: Annotated[
+        str, typer.Option(metavar="METHOD", help="Between measured incident directions: transport, linear, nearest.")
+    ] = "transport",
+    channel: Annotated[
+        list[str] | None, typer.Option("--channel", metavar="NAME", help="Of scans, only this one; repeatable.")
+    ] = None,
+    picture: Annotated[
+        Path | None, typer.Option("--picture", metavar="OUT", help="Both and the result: .png, .pdf or .svg.")
+    ] = None,
+    db: DatabaseOption = None,
+    sample: SampleOption = None,
+    side: FileSideOption = None,
+    scatter: FileScatterOption = None,
+    convention: ConventionOption = None,
+    column: ColumnOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Join measured and simulated data: measured where the instrument reached, simulated elsewhere, without a seam.
+
+    Scans tell how far they reach. The simulated light is scaled so that both carry as much along the seam; the report
+    and the file say by what factor, and which share of incident directions, of all pairs and of the light is measured.
+
+    Example: clerestory measure hybrid scans/ --with traced.xml -o hybrid.xml --picture hybrid.png
+    """
+    from clerestory.measure.hybrid import SCALES, joined
+    from clerestory.measure.interpolant import METHODS
+    from clerestory.measure.prepare.symmetry import SYMMETRIES
+
+    how = cast("Scale", one_of(scale, "--scale", SCALES))
+    chosen_method = cast("Method", one_of(method, "--method", METHODS))
+    chosen_symmetry = cast('Symmetry | Literal["auto"]', one_of(symmetry, "--symmetry", ("auto", *SYMMETRIES)))
+    if not output.name.lower().endswith(_MODELS):
+        raise UsageError(f"{output}: the name does not tell the format (end it with {', '.join(_MODELS)})")
+    if picture is not None and picture.suffix.lower() not in (".png", ".pdf", ".svg"):
+        raise UsageError(f"--picture {picture}: not a kind of picture (give .png, .pdf or .svg)")
+    for out in filter(None, (output, picture)):
+        refuse_overwriting(out, [simulated, *(Path(text) for text in inputs)])
+    rays = read(simulated)
+    limits = (incident_limit, outgoing_limit)
+    if len(inputs) == 1 and inputs[0].lower().endswith(_MODELS):
+        path = Path(inputs[0])
+        measured = read(path)
+        warnings: list[str] = []
+        reaches = _of_file(path, measured, *limits)
+        name = measured.metadata.name or ""
+    else:
+        choices = choices_of(side, scatter, convention, column)
+        name, measured, reaches, warnings = _of_scans(
+            inputs, choices, sample, db, channel, limits, chosen_method, chosen_symmetry
+        )
+    with about(simulated), progress("join") as done:
+        made = joined(
+            measured,
+            reaches,
+            rays,
+            basis=basis,
+            resolution=resolution,
+            reduce=cull,
+            blend_deg=blend,
+            scale=how,
+            name=name,
+            simulation=f"simulated ({simulated.name})",
+            progress=done,
+        )
+    with about(output):
+        notes = made.bsdf.write(output)
+    written = [output]
+    if picture is not None:
+        from clerestory.measure.hybrid.picture import picture as draw
+        from clerestory.plot.style import save
+
+        save(draw(made), picture)
+        written.append(picture)
+    _tell(made, [*warnings, *made.warnings, *notes], name, written, as_json=as_json)
+
+
+def _of_file(path: Path, measured: Bsdf, incident: float | None, outgoing: float | None) -> Mapping[Key, Reach]:
+    from clerestory.measure.hybrid import reaches_known
+
+    if (incident is None) != (outgoing is None):
+        raise UsageError(f"{path}: give --incident-limit and --outgoing-limit together")
+    kinds = {model.kind for members in measured.models.values() for model in members.values()}
+    if incident is None and kinds != {"interpolant"}:
+        raise UsageError(
+            f"{path}: a {', '.join(sorted(kinds))} does not know how far it was measured (give --incident-limit and"
+            " --outgoing-limit, or the scans themselves)"
+        )
+    return reaches_known(measured, incident_deg=incident, outgoing_deg=outgoing)
+
+
+def _of_scans(
+    inputs: list[str],
+    choices: dict[str, object],
+    sample: str | None,
+    db: str | None,
+    channel: list[str] | None,
+    limits: tuple[float | None, float | None],
+    method: Method,
+    symmetry: Symmetry | Literal["auto"],
+) -> tuple[str, Bsdf, Mapping[Key, Reach], list[str]]:
+    from clerestory.measure.given import measurement_given
+    from clerestory.measure.hybrid import reaches_of
+    from clerestory.measure.interpolant import fit
+
+    measurement = measurement_given(inputs, sample=sample, database=db, **choices)
+    with progress("fit") as done:
+        fitted = fit(measurement, method=method, symmetry=symmetry, channels=channel, hold_out=False, progress=done)
+    reaches = reaches_of(
+        measurement,
+        fitted,
+        incident_deg=90.0 if limits[0] is None else limits[0],
+        outgoing_deg=90.0 if limits[1] is None else limits[1],
+    )
+    return measurement.sample, fitted.bsdf, reaches, list(fitted.warnings)
+
+
+def _tell(made: Hybrid, warnings: list[str], name: str, written: list[Path], *, as_json: bool) -> None:
+    if as_json:
+        rows = []
+        for part in made.parts:
+            row = cast("dict[str, object]", plain(part))
+            for what in ("incident", "solid_angle", "flux"):
+                row[f"simulated_{what}"] = 1.0 - getattr(part, f"measured_{what}")
+            rows.append(row)
+        print_json({"sample": name, "written": written, "components": rows, "warnings": warnings})
+        return
+    for text in warnings:
+        note(f"warning: {text}")
+    for part in made.parts:
+        say(part.words)
+    for path in written:
+        note(f"wrote {path}")
