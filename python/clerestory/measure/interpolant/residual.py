@@ -28,9 +28,11 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _LEAST_COSINE = 0.02
-_BRIGHT = 5.0
+_BRIGHT = 10.0
 """Multiples of the noise in DSF above which a point's own relative noise can be seen."""
-_MEDIAN_TO_SIGMA = 1.4826
+_ENOUGH = 20
+_MEDIAN_OF_SQUARE = 0.4549
+"""Of a normal distribution of variance 1."""
 
 
 @dataclass(frozen=True)
@@ -146,7 +148,8 @@ def standard_errors(scan: Scan, band: str, left: Floats) -> Floats:
     even = noise(scan, band) / cosine
     values = np.abs(scan.channel(band))
     bright = values > _BRIGHT * even
-    relative = _MEDIAN_TO_SIGMA * float(np.median(np.abs(left[bright]) / values[bright])) if bright.sum() > 20 else 0.0
+    excess = (left[bright] ** 2 / _MEDIAN_OF_SQUARE - even[bright] ** 2) / values[bright] ** 2
+    relative = float(np.sqrt(max(0.0, float(np.median(excess))))) if len(excess) > _ENOUGH else 0.0
     return np.asarray(np.hypot(even, relative * values))
 
 
