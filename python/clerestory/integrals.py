@@ -29,6 +29,8 @@ Sky = Literal["uniform", "overcast"]
 
 # The Klems full patches of a source straight above at 0, 30, 50 and 70° to the normal, by which the field reports.
 PROBES_DEG = (0.0, 30.0, 50.0, 70.0)
+_STRAIGHT = 1e-6
+"""Largest difference of a beam's direction from straight on."""
 
 
 @dataclass(frozen=True)
@@ -85,6 +87,15 @@ def continued(incident: ArrayLike, scatter: Scatter) -> NDArray[np.float64]:
     """
     d = np.asarray(incident, dtype=np.float64)
     return d * (np.array([-1.0, -1.0, 1.0]) if scatter == "reflection" else -1.0)
+
+
+def straight_through(bsdf: Bsdf, incident: NDArray[np.float64], band: str | None = None) -> NDArray[np.float64]:
+    """Transmittance (n) of the beams that go straight on, of incident directions (n, 3) from outside."""
+    found = np.zeros(len(incident))
+    for row, outgoing, value, _ in bsdf._core.peaks(np.ascontiguousarray(incident), band, "transmission"):
+        if np.linalg.norm(np.asarray(outgoing) + incident[row]) < _STRAIGHT:
+            found[row] += value
+    return found
 
 
 def own_basis(bsdf: Bsdf, scatter: Scatter, side: Side = "exterior", band: str | None = None) -> Basis | None:

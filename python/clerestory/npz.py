@@ -202,7 +202,7 @@ class _Reader:
     def __init__(self, data: bytes) -> None:
         try:
             self.archive = zipfile.ZipFile(io.BytesIO(data))
-        except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError, EOFError) as error:
+        except (zipfile.BadZipFile, OSError, ValueError, RuntimeError, EOFError) as error:
             raise _bad("it is not a sound ZIP file", error) from error
         members = self.archive.infolist()
         self.members = {m.filename: m for m in members}

@@ -78,7 +78,7 @@ def test_open_edges_let_heat_in(tmp_path):
 
 def test_what_heat_lacks_is_named(tmp_path):
     made = load({"layers": [PANE, AIR, cloth(tmp_path)]})
-    with pytest.raises(MissingDataError, match=r"layer 2 \(cloth\): heat needs its emissivity_exterior"):
+    with pytest.raises(MissingDataError, match=r"layer 3 \(cloth\): heat needs its emissivity_exterior"):
         heat(made.window, made.solve())
     with pytest.raises(Exception, match="nfrc-winter"):
         heat(made.window, made.solve(), winter="arctic")

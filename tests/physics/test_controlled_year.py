@@ -1,5 +1,6 @@
 """A year with windows that change is, step by step, the year of what stood in them."""
 
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -152,3 +153,45 @@ def test_glare_is_judged_by_what_the_eye_gets(arrivals, states):
         assert np.array_equal(disc[0, group, 0, lit] > 0.0, (seen == group) & before & shines)
     assert (disc[0, :, 0] > 0.0).any()
     assert not disc[0, :, 2].any()
+
+
+def test_what_laws_look_at_takes_little_memory(arrivals, states, monkeypatch):
+    """Steps are looked at a few at a time where there are many points and states, with the same result."""
+    made = arrivals.matrices.room
+    rng = np.random.default_rng(6)
+    points = rng.uniform([0.3, 0.3, 0.8], [2.7, 3.7, 0.8], (1000, 3))
+    normals = np.tile([0.0, 0.0, 1.0], (1000, 1))
+    names = {f"state {k}": states[k % 3] for k in range(8)}
+    stage = Stage(
+        made,
+        arrivals.sky.weather,
+        names,
+        [None] * 8,
+        RoomMatrices.names_of(made),
+        Hours(),
+        Path(),
+        lambda: arrivals,
+        COARSE,
+    )
+    arrivals.matrices.view(points, normals, samples=COARSE.view)
+    hours = np.ones(len(arrivals))
+
+    def looked(tile):
+        monkeypatch.setattr("clerestory.annual.control.stage._TILE", tile)
+        tracemalloc.start()
+        try:
+            metrics, in_sun = stage.lm83_year(points, normals, hours)
+            return metrics, in_sun, stage.by_lm83(points, normals), tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+
+    *whole, much = looked(1e12)
+    *found, little = looked(4e6)
+    *_, least = looked(1.0)
+    # Beside what there is anyway, matrices above all.
+    assert little < least + 4e6
+    assert much > least + 8e6
+    assert np.allclose(found[0].mean, whole[0].mean, rtol=1e-5)
+    assert np.array_equal(found[1], whole[1])
+    assert np.array_equal(found[2], whole[2])
+    assert len(np.unique(found[2])) > 1

@@ -175,6 +175,7 @@ def test_a_sample_of_the_database_beside_its_model(files, tmp_path, capsys, monk
     bsdf = Bsdf.from_models({("exterior", "transmission"): Model.lambertian(0.3)})
     bsdf.to_matrix("klems-quarter").write("m.xml")
     assert main(["measure", "import", str(files / "one"), "--db", "lab.sqlite"]) == 0
+    capsys.readouterr()
     code, out, err = run(capsys, "one", "--db", "lab.sqlite", "-o", "a.png", "--model", "m.xml", "--dpi", 30)
     assert (code, out) == (0, ""), err
     assert (tmp_path / "a.png").stat().st_size > 1000

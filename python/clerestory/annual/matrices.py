@@ -150,20 +150,19 @@ class RoomMatrices:
         points: NDArray[np.float64],
         normals: NDArray[np.float64],
         *,
-        direct_meetings: int = 0,
         samples: int = 4096,
         progress: Callable[[float], object] | None = None,
     ) -> Matrix:
         """Irradiance at points (n, 3) [m] with normals (n, 3) by the radiance of patches, group by group [sr].
 
-        Direct is what comes from a window and has met no more than `direct_meetings` surfaces.
+        Direct is what comes from a window and has met no surface.
         """
         at, towards = np.ascontiguousarray(points), np.ascontiguousarray(normals)
-        key = {"points": digest(at), "normals": digest(towards), "samples": samples, "meetings": direct_meetings}
+        key = {"points": digest(at), "normals": digest(towards), "samples": samples}
         return self._of(
             "view",
             key | {"basis": self.basis.name},
-            lambda: self._groups.view_matrix(at, towards, direct_meetings, samples, self.seed, progress),
+            lambda: self._groups.view_matrix(at, towards, 0, samples, self.seed, progress),
         )
 
     def surfaces(

@@ -14,6 +14,7 @@ import numpy as np
 
 from clerestory import _core
 from clerestory._core import ClerestoryError, MissingDataError
+from clerestory.integrals import straight_through
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
 
 _PROBES = 64
 """Steps along each axis of the square at which beams are looked up for patches."""
-_STRAIGHT = 1e-6
-"""Largest difference of a beam's direction from straight on."""
 
 
 @dataclass(frozen=True)
@@ -75,15 +74,6 @@ def probes(basis: Basis, steps: int) -> tuple[Doubles, NDArray[np.int64]]:
     patch = basis.index_of_outgoing(points)
     left = np.setdiff1d(np.arange(len(basis)), patch)
     return np.concatenate([points, basis.outgoing_centres("interior")[left]]), np.concatenate([patch, left])
-
-
-def straight_through(bsdf: Bsdf, incident: Doubles, band: str | None = None) -> Doubles:
-    """Transmittance (n) of the beams that go straight on, of incident directions (n, 3) from outside."""
-    found = np.zeros(len(incident))
-    for row, outgoing, value, _ in bsdf._core.peaks(np.ascontiguousarray(incident), band, "transmission"):
-        if np.linalg.norm(np.asarray(outgoing) + incident[row]) < _STRAIGHT:
-            found[row] += value
-    return found
 
 
 def leaving(transfers: Sequence[Transfer], returned: Sequence[Floats] | None = None) -> Floats:

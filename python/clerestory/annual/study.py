@@ -13,6 +13,7 @@ from pydantic import Field, model_validator
 from clerestory._core import MissingDataError
 from clerestory.annual.arrivals import Arrivals
 from clerestory.annual.cache import Cache
+from clerestory.annual.control.family import expanded
 from clerestory.annual.control.stage import Stage
 from clerestory.annual.control.states import DataSet, Operated
 from clerestory.annual.control.tables import Schedule
@@ -404,6 +405,8 @@ def load(
     """
     path = Path(source)
     try:
-        return Study(Recipe.of(read_toml(path)), path.parent, Cache(cache), tell=tell)
+        kept_in = Cache(cache)
+        tables = expanded(read_toml(path), path.parent, kept_in, tell)
+        return Study(Recipe.of(tables), path.parent, kept_in, tell=tell)
     except RecipeError as error:
         raise RecipeError(f"{path}: {error}") from error

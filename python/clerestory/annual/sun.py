@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clerestory import _core
-from clerestory.annual.phases import straight_through
+from clerestory.integrals import straight_through
 from clerestory.picture import View
 from clerestory.sky.model import SOLAR_DIAMETER_DEG
 

@@ -54,11 +54,12 @@ _GROUPS: dict[str, tuple[str, ...]] = {
         "check",
         "prepare",
         "fit",
+        "formula",
         "hybrid",
         "calibrate",
         "export",
     ),
-    "system": ("build", "rate", "curve", "export"),
+    "system": ("build", "rate", "curve", "family", "export"),
 }
 
 app = typer.Typer(

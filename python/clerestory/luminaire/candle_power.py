@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clerestory._core import ClerestoryError
-from clerestory.annual.phases import straight_through
+from clerestory.integrals import straight_through
 from clerestory.luminaire.facade import Facade, Falling
 
 if TYPE_CHECKING:

@@ -64,6 +64,8 @@ class Integral:
     """Integral of BSDF·cos θ over the hemisphere [-] (channels,)."""
     extrapolated: Floats
     """The part of it that comes from beyond the outermost points or from gaps (channels,)."""
+    covered: float
+    """Share of the projected hemisphere that lies between measured points."""
 
 
 @dataclass(frozen=True)
@@ -115,13 +117,17 @@ class Surface:
         a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
         areas = 0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
         per_triangle = np.zeros((len(areas), len(self.channels)))
-        held = self.values[self.plane.simplices]
+        held, projected = self.values[self.plane.simplices], np.zeros(len(areas))
         for node, weight in zip(_NODES, _WEIGHTS, strict=True):
             r2 = (np.einsum("tij,i->tj", corners, node) ** 2).sum(axis=1)
             cosine = (1.0 - r2) / (1.0 + r2)
             dsf = self._from(np.einsum("tic,i->tc", held, node), cosine, dsf=True)
-            per_triangle += (weight * areas * 4.0 / (1.0 + r2) ** 2)[:, None] * dsf
-        return Integral(per_triangle.sum(axis=0), per_triangle[~self.measured_triangles].sum(axis=0))
+            solid_angles = weight * areas * 4.0 / (1.0 + r2) ** 2
+            per_triangle += solid_angles[:, None] * dsf
+            projected += solid_angles * cosine
+        between = self.measured_triangles
+        covered = float(projected[between].sum() / np.pi)
+        return Integral(per_triangle.sum(axis=0), per_triangle[~between].sum(axis=0), covered)
 
     def places(self, outgoing: ArrayLike) -> tuple[NDArray[np.int64], Floats, NDArray[np.bool_]]:
         """The three places around directions (n, 3), their shares (n, 3), and whether each was measured (n,).

@@ -96,16 +96,7 @@ def close_up(
     handles: list[Artist] = []
     for panel, kind in zip(panels, scales, strict=True):
         norm = style.norm(values, kind, limits)
-        panel.set_facecolor(style.MISSING["facecolor"])
-        panel.patch.set(hatch=style.MISSING["hatch"], edgecolor=style.MISSING["edgecolor"], linewidth=0.0)
-        image = panel.imshow(
-            values,
-            origin="lower",
-            extent=(-edge, edge, -edge, edge),
-            interpolation="nearest",
-            cmap=style.colours(),
-            norm=norm,
-        )
+        image = style.square_image(panel, values, edge, norm)
         handles = []
         at = offset(view.through, middle, right, up)
         if np.all(np.abs(at) <= edge):

@@ -103,12 +103,10 @@ def hemisphere(
     ax.set_title(view.title)
     bar = figure.colorbar(image, ax=ax, shrink=0.82, pad=0.02, extend=style.extend(values, norm))
     bar.set_label(style.UNITS[quantity])
-    ax.legend(
-        handles=handles,
-        loc="upper center",
-        bbox_to_anchor=(0.5, 0.02),
-        title=f"light leaving to the {view.outgoing_side}, as seen from the room",
-        title_fontsize=8,
+    style.legend_below(
+        ax,
+        handles,
+        f"light leaving to the {view.outgoing_side}, as seen from the room",
     )
     return figure
 

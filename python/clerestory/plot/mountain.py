@@ -90,11 +90,10 @@ def mountain(
     ax.set_title(view.title)
     bar = figure.colorbar(style.mappable(norm), ax=ax, shrink=0.6, pad=0.08, extend=style.extend(values, norm))
     bar.set_label(style.UNITS[quantity])
-    ax.legend(
-        handles=handles,
-        loc="upper center",
-        bbox_to_anchor=(0.5, 0.03),
-        title=f"light leaving to the {view.outgoing_side}; base as seen from the room, circles at 30°, 60° and 90°",
-        title_fontsize=8,
+    style.legend_below(
+        ax,
+        handles,
+        f"light leaving to the {view.outgoing_side}; base as seen from the room, circles at 30°, 60° and 90°",
+        low=0.03,
     )
     return figure

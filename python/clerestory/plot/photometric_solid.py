@@ -98,13 +98,11 @@ def photometric_solid(
     ax.set_title(view.title)
     bar = figure.colorbar(style.mappable(norm), ax=ax, shrink=0.6, pad=0.02, extend=style.extend(values, norm))
     bar.set_label(f"radius and colour: {style.UNITS['dsf']}")
-    ax.legend(
-        handles=handles,
-        loc="upper center",
-        bbox_to_anchor=(0.5, 0.02),
-        title=f"light leaving to the {view.outgoing_side}, seen from "
+    style.legend_below(
+        ax,
+        handles,
+        f"light leaving to the {view.outgoing_side}, seen from "
         + ("outdoors, where left and right swap" if exterior else "the room"),
-        title_fontsize=8,
     )
     return figure
 

@@ -25,11 +25,13 @@ from clerestory.whole import write_whole
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Sequence
     from contextlib import AbstractContextManager
 
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.colors import Colormap
+    from matplotlib.image import AxesImage
     from matplotlib.lines import Line2D
     from numpy.typing import ArrayLike, NDArray
 
@@ -201,6 +203,25 @@ def cross(ax: Axes, point: NDArray[np.float64], label: str = "", *, size: float 
         path_effects=[effects.withStroke(linewidth=2.4, foreground="white")],
     )
     return mark
+
+
+def legend_below(ax: Axes, handles: Sequence[Artist], title: str, *, low: float = 0.02) -> None:
+    """A legend under a plot, at a height of its axes."""
+    ax.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, low), title=title, title_fontsize=8)
+
+
+def square_image(ax: Axes, values: NDArray[np.float64], half: float, scale: Normalize) -> AxesImage:
+    """Values as a square of false colours that reaches `half` to each side; hatched where there are none."""
+    ax.set_facecolor(MISSING["facecolor"])
+    ax.patch.set(hatch=MISSING["hatch"], edgecolor=MISSING["edgecolor"], linewidth=0.0)
+    return ax.imshow(
+        values,
+        origin="lower",
+        extent=(-half, half, -half, half),
+        interpolation="nearest",
+        cmap=colours(),
+        norm=scale,
+    )
 
 
 def line(index: int) -> dict[str, Any]:

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from clerestory.bsdf import Bsdf
     from clerestory.system.window import Built
+    from clerestory.trace import Sample
 
     Traced = Callable[..., Bsdf]
     """Traces a sample, with the settings of `trace.measure`."""
@@ -42,6 +43,8 @@ class Specified:
     name: str
     sources: list[Path]
     """Files that were read."""
+    folder: Path
+    """That its files are relative to."""
 
     def solve(self) -> Built:
         """On the patches that it asks for."""
@@ -57,12 +60,13 @@ class Specified:
     def _described(self, bsdf: Bsdf) -> Bsdf:
         keys = self.specification.system
         size = {key: value for key, value in (("width_m", keys.width_m), ("height_m", keys.height_m)) if value}
-        return bsdf.with_metadata(name=self.name, **size)
+        return bsdf.with_metadata(name=self.name, **size, **self.specification.product.fields)
 
 
 def load(
     source: str | os.PathLike[str] | Mapping[str, Any],
     *,
+    folder: str | os.PathLike[str] = ".",
     traced: Traced | None = None,
 ) -> Specified:
     """A window from a specification.
@@ -71,6 +75,8 @@ def load(
     ----------
     source
         A TOML file, the name of one that comes with Clerestory (`names` lists them), or tables as TOML has them.
+    folder
+        That the files of tables are relative to; those of a TOML file are relative to it.
     traced
         Traces the sample of a recipe, as `trace.measure` does; anew each time by default.
 
@@ -84,7 +90,7 @@ def load(
     from collections.abc import Mapping
 
     if isinstance(source, Mapping):
-        return _made(_checked(source), Path(), [], traced)
+        return _made(_checked(source), Path(folder), [], traced)
     path = SYSTEMS.find(str(source))
     try:
         return _made(_checked(read_toml(path)), path.parent, [path], traced)
@@ -128,7 +134,7 @@ def _made(specification: Specification, folder: Path, sources: list[Path], trace
             raise RecipeError(f"layer {number} ({_called(keys)}): {reason} (check the file)") from None
         solids.append(replace(layer.flipped() if keys.flipped else layer, number=number))
     name = specification.system.name or " + ".join(layer.name for layer in solids)
-    return Specified(specification, Window(solids, gaps), name, sources)
+    return Specified(specification, Window(solids, gaps), name, sources, folder)
 
 
 def _called(keys: GlassKeys | FileKeys | RecipeKeys) -> str:
@@ -219,18 +225,32 @@ def _file(keys: FileKeys, folder: Path, sources: list[Path]) -> Layer:
     )
 
 
-def _of_recipe(keys: RecipeKeys, folder: Path, basis: str, sources: list[Path], traced: Traced | None) -> Layer:
-    from clerestory import trace
+def sample_of(keys: RecipeKeys, folder: Path) -> Sample:
+    """The sample of a layer that is a recipe; files are relative to a folder."""
+    from clerestory.trace import Sample
+    from clerestory.trace.recipe import Recipe, changed
+
+    if isinstance(keys.recipe, dict):
+        return Sample(Recipe.of(changed(keys.recipe, keys.changed)), folder)
+    path = _recipe_file(keys.recipe, folder)
+    try:
+        return Sample(Recipe.of(changed(read_toml(path), keys.changed)), path.parent)
+    except RecipeError as error:
+        raise RecipeError(f"{keys.recipe}: {error}") from None
+
+
+def _recipe_file(given: str, folder: Path) -> Path:
     from clerestory.trace.shipped import RECIPES
 
-    given: Any = keys.recipe
-    if isinstance(given, str):
-        if Path(given).suffix:
-            given = folder / given
-            sources.append(given)
-        else:
-            RECIPES.find(given)
-    sample = trace.load(given)
+    return folder / given if Path(given).suffix else RECIPES.find(given)
+
+
+def _of_recipe(keys: RecipeKeys, folder: Path, basis: str, sources: list[Path], traced: Traced | None) -> Layer:
+    from clerestory import trace
+
+    sample = sample_of(keys, folder)
+    if isinstance(keys.recipe, str):
+        sources.append(_recipe_file(keys.recipe, folder))
     measured = (traced or trace.measure)(
         sample,
         basis=keys.basis or basis,

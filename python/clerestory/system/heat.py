@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clerestory._core import ClerestoryError, MissingDataError
-from clerestory.thermal import CONDITIONS, Gap, Gas, Openings, ThermalLayer, solar_gain, u_value
+from clerestory.thermal import CONDITIONS, Gap, Gas, Openings, ThermalLayer, balance, solar_gain, u_value
 from clerestory.thermal.layer import front_of_cloth, front_of_slats
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from clerestory.basis import Basis
@@ -87,15 +89,64 @@ def heat(
         raise MissingDataError(f"the window has no band solar (it has {', '.join(built.absorbed)})")
     cold, hot = _climate(winter), _climate(summer)
     assumed: list[str] = []
-    layers = [_thermal(layer, number, assumed) for number, layer in enumerate(window.layers, 1)]
-    if len(layers) > 1 and not window.gaps:
-        raise MissingDataError("the gaps between the layers are not given (add them with their gas)")
+    layers = [thermal_layer(layer, number, assumed) for number, layer in enumerate(window.layers, 1)]
+    _need_gaps(window)
     gaps = [Gap(gap.width_m, Gas(gap.gas)) for gap in window.gaps]
     size = {"height_m": height_m, "width_m": width_m, "tilt_deg": tilt_deg}
     incident = built.basis.incident_centres("exterior")
     transmitted = np.asarray(built.bsdf.integrate(incident, "transmission", band="solar"))
     gain = solar_gain(layers, gaps, transmitted, built.absorptance("solar"), hot, each=each, **size)
     return WindowHeat(u_value(layers, gaps, cold, **size), gain, built.basis, cold, hot, tuple(assumed))
+
+
+def as_one(window: Window) -> tuple[dict[str, float], list[str]]:
+    """Thermal properties of the whole window as of one layer, as a file of it describes them, and what was assumed.
+
+    Returns
+    -------
+    By the names of `Metadata`: thickness, emissivities of both faces, long-wave transmittance through all layers, and
+    the conductivity that lets through as much heat between the faces as the window does in NFRC's winter; several
+    layers have no openness.
+
+    Raises
+    ------
+    MissingDataError
+        A layer lacks a thermal property, or gaps are not given; the text names the layer's number and name.
+    """
+    assumed: list[str] = []
+    layers = [thermal_layer(layer, number, assumed) for number, layer in enumerate(window.layers, 1)]
+    _need_gaps(window)
+    first, last = layers[0], layers[-1]
+    found = {
+        "thickness_m": sum(layer.thickness_m for layer in layers) + sum(gap.width_m for gap in window.gaps),
+        "emissivity_exterior": first.emissivity_exterior,
+        "emissivity_interior": last.emissivity_interior,
+        "tir": _long_wave(layers),
+        "thermal_conductivity": first.conductivity,
+    }
+    if len(layers) == 1:
+        openness = window.layers[0].thermal.openness
+        return (found if openness is None else {**found, "openness": openness}), assumed
+    cold = CONDITIONS["nfrc-winter"]
+    dark = balance(layers, [Gap(gap.width_m, Gas(gap.gas)) for gap in window.gaps], cold, dark=True)
+    between = float(dark.temperatures_c[-1, 1] - dark.temperatures_c[0, 0])
+    return {**found, "thermal_conductivity": -dark.heat_in * found["thickness_m"] / between}, assumed
+
+
+def _long_wave(layers: Sequence[ThermalLayer]) -> float:
+    """Long-wave transmittance through all layers, with what is thrown to and fro between them."""
+    passed, thrown_back = 1.0, 0.0
+    for layer in layers:
+        t = layer.ir_transmittance
+        outer, inner = (1.0 - t - e for e in (layer.emissivity_exterior, layer.emissivity_interior))
+        again = 1.0 / (1.0 - thrown_back * outer)
+        passed, thrown_back = passed * t * again, inner + t * t * thrown_back * again
+    return passed
+
+
+def _need_gaps(window: Window) -> None:
+    if len(window.layers) > 1 and not window.gaps:
+        raise MissingDataError("the gaps between the layers are not given (add them with their gas)")
 
 
 def _climate(given: str | Conditions) -> Conditions:
@@ -106,9 +157,22 @@ def _climate(given: str | Conditions) -> Conditions:
     return CONDITIONS[given]
 
 
-def _thermal(layer: Layer, number: int, assumed: list[str]) -> ThermalLayer:
-    """A layer as heat meets it; panes have what uncoated glass has where nothing else is known."""
-    place, known = f"layer {number} ({layer.name})", layer.thermal
+def thermal_layer(layer: Layer, number: int, assumed: list[str]) -> ThermalLayer:
+    """A layer as heat meets it; panes have what uncoated glass has where nothing else is known.
+
+    Parameters
+    ----------
+    layer, number
+        The layer, and its place from the exterior, where it has no number of its own.
+    assumed
+        What was not known and taken as usual is added to these.
+
+    Raises
+    ------
+    MissingDataError
+        The layer lacks a thermal property; the text names its number and name.
+    """
+    place, known = layer.called(number), layer.thermal
     values = {
         "emissivity_exterior": known.emissivity_exterior,
         "emissivity_interior": known.emissivity_interior,

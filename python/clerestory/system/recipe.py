@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
+from clerestory.system.product.keys import ProductKeys
 from clerestory.trace.keys import Fraction, Keys, NotNegative, Number, Positive, suggestion, wrong
 
 if TYPE_CHECKING:
@@ -128,12 +129,9 @@ class FileKeys(_Solid):
     """Thickness [mm]."""
 
 
-class RecipeKeys(_Solid):
-    """A layer from a recipe of the virtual goniophotometer."""
+class TracedKeys(Keys):
+    """How a recipe is measured."""
 
-    kind: Literal["recipe"]
-    recipe: str | dict[str, Any]
-    """A recipe (.toml), the name of one that comes with Clerestory, or its tables."""
     basis: str | None = None
     """Patches that it is measured on, or tensor4 or tensor3 for a tree; those of the window by default."""
     resolution: Annotated[int, Field(ge=1, le=8)] = 5
@@ -144,6 +142,16 @@ class RecipeKeys(_Solid):
     """Relative standard error to reach instead."""
     seed: Annotated[int, Field(ge=0)] = 1
     """Another seed gives an independent result."""
+
+
+class RecipeKeys(_Solid, TracedKeys):
+    """A layer from a recipe of the virtual goniophotometer."""
+
+    kind: Literal["recipe"]
+    recipe: str | dict[str, Any]
+    """A recipe (.toml), the name of one that comes with Clerestory, or its tables."""
+    changed: dict[str, Any] = Field(default_factory=dict)
+    """Tables with those keys of the recipe that are other here, such as { sample = { tilt_deg = 30 } }."""
     thickness_mm: Positive | None = None
     """Thickness [mm]; the recipe's depth by default."""
 
@@ -186,6 +194,8 @@ class Specification(Keys):
 
     system: SystemKeys = Field(default_factory=SystemKeys)
     """The window as a whole."""
+    product: ProductKeys = Field(default_factory=ProductKeys)
+    """Who makes it, and how it is to be placed."""
     layers: Annotated[list[AnyLayer], Field(min_length=1)]
     """Solid layers and the gaps between them, from the exterior to the interior."""
 

@@ -16,6 +16,7 @@ from clerestory.trace.media import Medium
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Mapping
 
 
 class Recipe(Keys):
@@ -29,6 +30,15 @@ class Recipe(Keys):
     """What surfaces do with light, by names that the sample uses."""
     media: dict[str, Medium] = Field(default_factory=dict)
     """What bodies are made of, by names that the sample uses."""
+
+
+def changed(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Tables with some of their keys, also those of tables within, given anew."""
+    made = dict(tables)
+    for key, value in changes.items():
+        held = made.get(key)
+        made[key] = changed(held, value) if isinstance(held, dict) and isinstance(value, dict) else value
+    return made
 
 
 def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:

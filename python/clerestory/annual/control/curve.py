@@ -16,6 +16,7 @@ from clerestory._core import ClerestoryError
 from clerestory.annual.control.cut_off import needed_tilt_deg
 from clerestory.annual.control.slats import Slats
 from clerestory.plot import style
+from clerestory.system.product import Curve
 from clerestory.trace.kinds.blind import VenetianBlind
 
 if TYPE_CHECKING:
@@ -69,6 +70,16 @@ class ControlCurve:
             "least_tilt_deg": [float(v) if math.isfinite(v) else None for v in self.exact_deg],
             "tilt_deg": [None if math.isnan(v) else float(v) for v in self.tilt_deg],
         }
+
+    def as_product(self) -> Curve:
+        """As data sets carry it in XML."""
+        return Curve(
+            tuple(self.profile_deg.tolist()),
+            tuple(None if math.isnan(v) else round(float(v), 4) for v in self.tilt_deg),
+            (self.slats.width, self.slats.pitch, self.slats.crown),
+            self.safety_deg,
+            self.step_deg,
+        )
 
     @style.styled
     def figure(self) -> Figure:

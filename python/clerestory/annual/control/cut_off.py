@@ -55,6 +55,22 @@ def nearest_closed(needed_deg: ArrayLike, tilts_deg: Sequence[float]) -> NDArray
     return np.minimum(found, len(tilts) - 1)
 
 
+def nearest_state(tilt_deg: float, tilts_deg: Sequence[float | None]) -> int:
+    """Number of the state whose slats are nearest to an angle [°]; of two alike the earlier one.
+
+    Raises
+    ------
+    ClerestoryError
+        No state has a tilt, or the angle is beyond ±90°.
+    """
+    apart = {k: abs(tilt - tilt_deg) for k, tilt in enumerate(tilts_deg) if tilt is not None}
+    if not apart:
+        raise ClerestoryError("no state has tilt_deg that it could be compared with (add it to states)")
+    if not abs(tilt_deg) <= 90.0:
+        raise ClerestoryError(f"{tilt_deg:g}° is no tilt of slats (give -90 to 90)")
+    return min(apart, key=lambda k: apart[k])
+
+
 def tilt_states(needed_deg: ArrayLike, tilts_deg: Sequence[float], *, hysteresis_deg: float = 0.0) -> NDArray[np.int64]:
     """The same with hysteresis: slats open to a tilt only if it would do with `hysteresis_deg` more."""
     needed = np.asarray(needed_deg, dtype=np.float64)

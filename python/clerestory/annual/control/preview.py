@@ -61,28 +61,33 @@ class Preview:
         view = matrices.view(points, normals, samples=samples)
         back = [matrices.returned(g, samples=returned).all for g in range(groups)]
         self._parts = [slice(g * patches, (g + 1) * patches) for g in range(groups)]
-        self._all, self._scattered, self._through = [], [], []
+        self._view, self._leaving, self._scattered, self._through = view, [], [], []
         for bsdf in states:
             transfer = Transfer.of(bsdf, matrices.basis)
-            self._all.append(view.all @ leaving([transfer] * groups, back))
-            around = transfer.transmission - np.diag(transfer.beam)
-            self._scattered.append([view.direct[:, part] @ around for part in self._parts])
+            self._leaving.append(leaving([transfer] * groups, back))
+            self._scattered.append(transfer.transmission - np.diag(transfer.beam))
             self._through.append(SunThrough(matrices, (bsdf,) * groups))
 
     def illuminance(self, light: Light) -> Doubles:
         """By all light through each group in each state (groups, states, points, steps) [lx]."""
-        arrives = light.arrives
-        found = [[every[:, part] @ arrives[part] for every in self._all] for part in self._parts]
-        return EFFICACY * np.maximum(np.array(found, dtype=np.float64), 0.0)
+        found, arrives = self._empty(light), light.arrives
+        for group, part in enumerate(self._parts):
+            for state, sent in enumerate(self._leaving):
+                found[group, state] = self._view.all @ (sent[:, part] @ arrives[part])
+        np.maximum(found, 0.0, out=found)
+        found *= EFFICACY
+        return found
 
     def direct(self, light: Light) -> Doubles:
         """By the sun through each group in each state, which has met nothing in the room; shape as above [lx]."""
-        beams = self._beams(light) * np.maximum(self.normals @ light.suns.T, 0.0)
-        found = [
-            [scattered[group] @ light.directly[part] for scattered in self._scattered]
-            for group, part in enumerate(self._parts)
-        ]
-        return EFFICACY * np.maximum(np.array(found, dtype=np.float64) + beams, 0.0)
+        found = self._beams(light)
+        found *= np.maximum(self.normals @ light.suns.T, 0.0)
+        for group, part in enumerate(self._parts):
+            for state, scattered in enumerate(self._scattered):
+                found[group, state] += self._view.direct[:, part] @ (scattered @ light.directly[part])
+        np.maximum(found, 0.0, out=found)
+        found *= EFFICACY
+        return found
 
     def discs(self, light: Light, eyes: Sequence[View], omega: float) -> Doubles:
         """L² ω / P² of the sun's disc of `omega` [sr] that each point, an eye, sees; shape as above [cd² sr/m⁴]."""
@@ -90,10 +95,13 @@ class Preview:
         index = np.stack([_position_index(view, light.suns) for view in eyes])
         return luminance**2 * omega / index**2
 
+    def _empty(self, light: Light) -> Doubles:
+        return np.zeros((len(self._parts), len(self._through), len(self.points), light.steps))
+
     def _beams(self, light: Light) -> Doubles:
         """Irradiance of a plane that faces the sun, by what is seen of it; shape as above."""
         groups = range(len(self._parts))
-        found = np.zeros((len(self._parts), len(self._through), len(self.points), light.steps))
+        found = self._empty(light)
         up = np.flatnonzero(light.irradiance > 0.0)
         passed = np.array([through.beams(light.suns, light.irradiance) for through in self._through])
         if not passed.any():

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clerestory._core import ClerestoryError
+from clerestory.annual.control.cut_off import nearest_state
 from clerestory.counts import counted
 from clerestory.trace.keys import suggestion
 
@@ -31,6 +32,8 @@ ALL = "all"
 TIME = "time"
 """Column of a schedule that is compared with the weather's times."""
 _STAMP = re.compile(r"(?:\d{4}-)?(\d{1,2})-(\d{1,2})[ T](\d{1,2}):(\d{2})(?::\d{2}(?:\.0*)?)?")
+
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -82,11 +85,18 @@ def from_spans(spans: Sequence[Span], times: Times, groups: int) -> States:
     return found
 
 
-def read(path: Path, weather: Weather, states: Sequence[str], groups: Sequence[str]) -> States:
+def read(
+    path: Path,
+    weather: Weather,
+    states: Sequence[str],
+    groups: Sequence[str],
+    *,
+    tilts_deg: Sequence[float | None] = (),
+) -> States:
     """States (groups, steps) of a CSV or Parquet file with a row a step of the weather.
 
-    A column bears the name of a group of windows, or `all`; a column `time`, if there is one, is compared with the
-    weather's times.
+    A column bears the name of a group of windows, or `all`, and holds names of states, or angles of slats, for which
+    the state with the nearest one is taken. A column `time`, if there is one, is compared with the weather's times.
 
     Parameters
     ----------
@@ -96,6 +106,8 @@ def read(path: Path, weather: Weather, states: Sequence[str], groups: Sequence[s
         Its steps.
     states, groups
         Their names.
+    tilts_deg
+        Angle of the slats in each state [°], where it has one.
 
     Raises
     ------
@@ -124,10 +136,17 @@ def read(path: Path, weather: Weather, states: Sequence[str], groups: Sequence[s
         name = group if group in columns else ALL
         if name not in columns:
             raise ClerestoryError(f"there is no column for the group of windows {group!r} (add one, or {ALL})")
+        numbers = {state: number for number, state in enumerate(states)}
         for row, text in enumerate(columns[name]):
-            if text not in states:
-                raise ClerestoryError(f"{lines[row]}, column {name}: no state {text!r} ({suggestion(text, states)})")
-            found[k, row] = states.index(text)
+            if text not in numbers:
+                where = f"{lines[row]}, column {name}"
+                if not _NUMBER.fullmatch(text):
+                    raise ClerestoryError(f"{where}: no state {text!r} ({suggestion(text, states)})")
+                try:
+                    numbers[text] = nearest_state(float(text), tilts_deg)
+                except ClerestoryError as error:
+                    raise ClerestoryError(f"{where}: {text}: {error}") from None
+            found[k, row] = numbers[text]
     return found
 
 

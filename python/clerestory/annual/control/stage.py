@@ -115,7 +115,7 @@ class Stage:
         for name in sensors:
             preview = self._preview(*self.room.sensors(name))
             series = {key: np.zeros((len(self.states), len(self.weather))) for key in READINGS}
-            for steps, light in self._light():
+            for steps, light in self._light(len(preview.points)):
                 values = preview.illuminance(light).sum(axis=0)
                 for key, reading in READINGS.items():
                     series[key][:, steps] = reading(values, axis=1)
@@ -133,7 +133,7 @@ class Stage:
         preview = self._preview(np.array([view.point_m for view in given], dtype=np.float64), towards)
         shape = (len(views), len(self.groups), len(self.states), len(self.weather))
         at_eye, disc = np.zeros(shape), np.zeros(shape)
-        for steps, light in self._light():
+        for steps, light in self._light(len(views)):
             at_eye[..., steps] = np.moveaxis(preview.illuminance(light), 2, 0)
             disc[..., steps] = np.moveaxis(preview.discs(light, eyes, SOLAR_SOLID_ANGLE), 2, 0)
         return at_eye, disc
@@ -142,7 +142,7 @@ class Stage:
         """States (groups, steps) of LM-83's blinds, by the direct sun at points (n, 3) [m] with normals (n, 3)."""
         preview = self._preview(points, normals)
         found = np.zeros((len(self.groups), len(self.weather)), dtype=np.int64)
-        for steps, light in self._light():
+        for steps, light in self._light(len(points)):
             found[:, steps] = _lm83_states(preview.direct(light))
         return found
 
@@ -162,7 +162,7 @@ class Stage:
         metrics, in_sun = PointYear(len(points), thresholds=[lm83.AUTONOMY]), lm83.SunYear(len(points))
         dark = np.where(self._arrivals().sky.is_lit, 0.0, hours).sum()
         metrics.add(np.zeros((1, len(points))), [dark])
-        for steps, light in self._light():
+        for steps, light in self._light(len(points)):
             every, direct = preview.illuminance(light), preview.direct(light)
             chosen = _lm83_states(direct)[:, None, None, :]
             lit = np.take_along_axis(every, chosen, axis=1).sum(axis=(0, 1))
@@ -181,14 +181,23 @@ class Stage:
             returned=self._sampling.returned,
         )
 
-    def _light(self) -> Iterator[tuple[NDArray[np.int64], Light]]:
-        """The steps that have light, some at a time."""
+    def _light(self, points: int) -> Iterator[tuple[NDArray[np.int64], Light]]:
+        """The steps that have light, so many at a time that what so many points see in all states is small."""
         arrivals = self._arrivals()
         is_lit = arrivals.sky.is_lit
+        # It does not depend on the memory that a study may use: results have the same last digits with any.
+        columns = max(1, int(_TILE / (_ARRAYS * 8.0 * len(self.groups) * len(self.states) * points)))
         for part in arrivals.chunks(self._sampling.chunk):
             steps = part.start + np.flatnonzero(is_lit[part])
-            if len(steps):
-                yield steps, arrivals.at(part)
+            for first in range(0, len(steps), columns):
+                some = slice(first, first + columns)
+                yield steps[some], arrivals.at(part).part(some)
+
+
+_TILE = float(1 << 26)
+"""Memory of what is seen at some steps [B]."""
+_ARRAYS = 5
+"""Arrays of groups, states, points and steps that are there at once."""
 
 
 def _lm83_states(direct: Doubles) -> States:

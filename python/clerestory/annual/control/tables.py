@@ -41,8 +41,10 @@ Limits = Annotated[list[Positive], BeforeValidator(_several)]
 class Times(Keys):
     """Hours with one state."""
 
-    state: str
-    """The state."""
+    state: str | None = None
+    """The state; or give tilt_deg."""
+    tilt_deg: Number | None = None
+    """The state whose slats are nearest to this angle [°]."""
     start: Hour = 0.0
     """Hour of the day at which they begin."""
     end: Hour = 24.0
@@ -56,6 +58,8 @@ class Times(Keys):
 
     @model_validator(mode="after")
     def _sound(self) -> Times:
+        if (self.state is None) == (self.tilt_deg is None):
+            raise wrong("state", "either a state or tilt_deg is asked for (give one of them)")
         if self.start == self.end:
             raise wrong("end", f"the hours end at {self.end:g}, where they start (give another, or neither)")
         return self
@@ -80,7 +84,7 @@ class Schedule(Keys):
         """Fail if it does not go with the room, its windows or the weather."""
         for k, times in enumerate(self.times):
             place = f"{key}.times[{k + 1}]"
-            known(times.state, stage.states, f"{place}.state", "state")
+            self._state(times, stage, place)
             for group in times.groups:
                 known(group, stage.groups, f"{place}.groups", "group of windows")
         self.chosen(stage, key)
@@ -90,26 +94,38 @@ class Schedule(Keys):
         if self.file is None:
             spans = [
                 schedule.Span(
-                    stage.states.index(t.state),
+                    self._state(t, stage, f"{key}.times[{k + 1}]"),
                     t.start,
                     t.end,
                     tuple(_DAYS.index(day) for day in t.weekdays),
                     tuple(t.months),
                     tuple(stage.groups.index(group) for group in t.groups),
                 )
-                for t in self.times
+                for k, t in enumerate(self.times)
             ]
             found = schedule.from_spans(spans, stage.times, len(stage.groups))
             return complete(found, stage, f"{key}.times", "add one without hours as the last")
         path = stage.folder / self.file
         try:
-            return schedule.read(path, stage.weather, stage.states, stage.groups)
+            return schedule.read(path, stage.weather, stage.states, stage.groups, tilts_deg=stage.tilts_deg)
         except FileNotFoundError:
             raise RecipeError(f"{key}.file: {path} does not exist (check it; it is relative to the study)") from None
         except OSError as error:
             raise RecipeError(f"{key}.file: {path}: {error.strerror} (check the file)") from None
         except ClerestoryError as error:
             raise RecipeError(f"{key}.file: {path}: {error}") from None
+
+    @staticmethod
+    def _state(times: Times, stage: Stage, place: str) -> int:
+        """Number of a state, by its name or its tilt."""
+        if times.tilt_deg is None:
+            name = times.state or ""
+            known(name, stage.states, f"{place}.state", "state")
+            return stage.states.index(name)
+        try:
+            return cut_off.nearest_state(times.tilt_deg, stage.tilts_deg)
+        except ClerestoryError as error:
+            raise RecipeError(f"{place}.tilt_deg: {error}") from None
 
 
 class CutOff(Keys):

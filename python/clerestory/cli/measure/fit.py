@@ -69,6 +69,12 @@ def fit(
             help="auto, isotropic, quadrilateral, left-right, up-down, rotational (by 180°) or none.",
         ),
     ] = "auto",
+    lines: Annotated[
+        bool,
+        typer.Option(
+            "--lines", help="Turn scans along lines about the mirrored or straight direction (an assumption)."
+        ),
+    ] = False,
     channel: Annotated[
         list[str] | None, typer.Option("--channel", metavar="NAME", help="Only this channel; repeatable.")
     ] = None,
@@ -115,11 +121,12 @@ def fit(
 
     Scattered points become lobes, which move from where one incident direction has them to where the next one does. The
     report has the error of each measured direction left out. Values beyond what was measured are extrapolated. A model
-    of scans of the database is kept there, with the way back to its points.
+    of scans of the database is kept there, with the way back to its points. For formulas such as ABg see `clerestory
+    measure formula`.
 
     Example: clerestory measure fit twill --db lab.sqlite -o twill.bsdf.npz --symmetry rotational --report twill.html
     """
-    from clerestory.measure.interpolant import METHODS
+    from clerestory.measure.interpolant import METHODS, spread_lines
     from clerestory.measure.interpolant import fit as fitted
     from clerestory.measure.prepare.symmetry import SYMMETRIES
     from clerestory.measure.uncertainty.tables import with_errors
@@ -145,6 +152,11 @@ def fit(
     refuse_overwriting(output, [Path(text) for text in words])
     choices = choices_of(side, scatter, convention, column)
     measurement = measurement_of(words, db, sample, choices, laboratory=laboratory, date=date)
+    raw = measurement.scans
+    assumed: tuple[str, ...] = ()
+    if lines:
+        measurement, step = spread_lines(measurement)
+        assumed = step.warnings
     with progress("fit") as done:
         made = fitted(measurement, method=chosen_method, symmetry=chosen_symmetry, channels=channel, progress=done)
     found = _uncertainties(measurement, made, basis, level, cone) if uncertainty else {}
@@ -162,7 +174,13 @@ def fit(
         from clerestory.measure.interpolant.report import write_report
 
         write_report(report, made, measurement)
-    settings = {"method": made.method, "symmetry": symmetry, "channels": channel, "basis": basis}
+    settings = {
+        "method": made.method,
+        "symmetry": symmetry,
+        "channels": channel,
+        "basis": basis,
+        "lines": lines or None,
+    }
     if basis in _TREES:
         settings |= {"resolution": resolution, "cull": cull}
     settings |= {"laboratory": laboratory, "date": date, **choices}
@@ -174,8 +192,8 @@ def fit(
             [output],
             stem_of(output),
             {key: value for key, value in settings.items() if value is not None},
-            _steps(made, basis, notes),
-            scans=measurement.scans,
+            _steps(made, basis, notes, assumed),
+            scans=raw,
             report=report,
             notes=[note_] if note_ else [],
         )
@@ -197,13 +215,13 @@ def fit(
                 "written": output,
                 "components": components,
                 "uncertainty": as_rows(told),
-                "warnings": [*made.warnings, *notes],
+                "warnings": [*assumed, *made.warnings, *notes],
                 "report": report,
                 "kept": kept,
             }
         )
         return
-    for text in (*made.warnings, *notes):
+    for text in (*assumed, *made.warnings, *notes):
         note(f"warning: {text}")
     for line in made.lines():
         say(line)
@@ -214,11 +232,12 @@ def fit(
         note(kept.words)
 
 
-def _steps(made: Fit, basis: str | None, notes: list[str]) -> list[dict[str, object]]:
+def _steps(made: Fit, basis: str | None, notes: list[str], assumed: tuple[str, ...]) -> list[dict[str, object]]:
     """What was done, for the database."""
     figures = plain([asdict(component) for component in made.components])
     steps: list[dict[str, object]] = [
-        {"step": "fit", "what": "; ".join(made.lines()), "figures": figures, "warnings": list(made.warnings)}
+        *({"step": "lines", "what": text, "warnings": [text]} for text in assumed),
+        {"step": "fit", "what": "; ".join(made.lines()), "figures": figures, "warnings": list(made.warnings)},
     ]
     if basis is not None:
         steps.append({"step": "conversion", "what": f"a table on {basis}", "warnings": notes})

@@ -20,12 +20,16 @@ from clerestory.cli.common import (
     refuse_overwriting,
     say,
 )
+from clerestory.cli.measure.inputs import measurement_of, words_of
+from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep, stem_of
 from clerestory.cli.measure.options import (
     ColumnOption,
     ConventionOption,
     DatabaseOption,
+    DateOption,
     FileScatterOption,
     FileSideOption,
+    LaboratoryOption,
     SampleOption,
     choices_of,
 )
@@ -34,6 +38,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from clerestory.bsdf import Bsdf
+    from clerestory.cli.measure.keeping import Kept
+    from clerestory.measure import Measurement, Scan
     from clerestory.measure.hybrid import Hybrid, Reach, Scale
     from clerestory.measure.hybrid.reach import Key
     from clerestory.measure.interpolant import Method
@@ -43,14 +49,15 @@ _MODELS = (".xml", ".xml.gz", ".npz")
 
 
 def hybrid(
+    context: typer.Context,
     inputs: Annotated[
-        list[str],
+        list[str] | None,
         typer.Argument(
             metavar="FILE…|SAMPLE",
             help="Scans: files, folders or a sample of the database; or one measured BSDF file (.bsdf.npz, .xml).",
             show_default=False,
         ),
-    ],
+    ] = None,
     *,
     simulated: Annotated[
         Path,
@@ -96,6 +103,10 @@ def hybrid(
     ] = None,
     db: DatabaseOption = None,
     sample: SampleOption = None,
+    laboratory: LaboratoryOption = None,
+    date: DateOption = None,
+    note_: NoteOption = None,
+    keep_: KeepOption = True,
     side: FileSideOption = None,
     scatter: FileScatterOption = None,
     convention: ConventionOption = None,
@@ -120,21 +131,25 @@ def hybrid(
         raise UsageError(f"{output}: the name does not tell the format (end it with {', '.join(_MODELS)})")
     if picture is not None and picture.suffix.lower() not in (".png", ".pdf", ".svg"):
         raise UsageError(f"--picture {picture}: not a kind of picture (give .png, .pdf or .svg)")
+    words = words_of(inputs, sample)
     for out in filter(None, (output, picture)):
-        refuse_overwriting(out, [simulated, *(Path(text) for text in inputs)])
+        refuse_overwriting(out, [simulated, *(Path(text) for text in words)])
     rays = read(simulated)
     limits = (incident_limit, outgoing_limit)
-    if len(inputs) == 1 and inputs[0].lower().endswith(_MODELS):
-        path = Path(inputs[0])
-        measured = read(path)
+    scans: tuple[Scan, ...] = ()
+    model = None
+    choices: dict[str, object] = {}
+    if len(words) == 1 and words[0].lower().endswith(_MODELS):
+        model = Path(words[0])
+        measured = read(model)
         warnings: list[str] = []
-        reaches = _of_file(path, measured, *limits)
+        reaches = _of_file(model, measured, *limits)
         name = measured.metadata.name or ""
     else:
         choices = choices_of(side, scatter, convention, column)
-        name, measured, reaches, warnings = _of_scans(
-            inputs, choices, sample, db, channel, limits, chosen_method, chosen_symmetry
-        )
+        measurement = measurement_of(words, db, sample, choices, laboratory=laboratory, date=date)
+        name, scans = measurement.sample, measurement.scans
+        measured, reaches, warnings = _of_scans(measurement, channel, limits, chosen_method, chosen_symmetry)
     with about(simulated), progress("join") as done:
         made = joined(
             measured,
@@ -158,7 +173,39 @@ def hybrid(
 
         save(draw(made), picture)
         written.append(picture)
-    _tell(made, [*warnings, *made.warnings, *notes], name, written, as_json=as_json)
+    warnings += [*made.warnings, *notes]
+    kept = None
+    if keep_:
+        said = {
+            "with": str(simulated),
+            "basis": basis,
+            "blend": blend,
+            "scale": how,
+            "incident-limit": incident_limit,
+            "outgoing-limit": outgoing_limit,
+            "symmetry": symmetry,
+            "method": chosen_method,
+            "channels": channel,
+            "laboratory": laboratory,
+            "date": date,
+            **choices,
+        }
+        if basis in ("tensor3", "tensor4"):
+            said |= {"resolution": resolution, "cull": cull}
+        steps = [
+            {
+                "step": "hybrid",
+                "what": "; ".join(part.words for part in made.parts),
+                "figures": plain(list(made.parts)),
+                "warnings": warnings,
+            }
+        ]
+        settings = {key: value for key, value in said.items() if value is not None}
+        result = Made(
+            [output], stem_of(output), settings, steps, scans=scans, model=model, notes=[note_] if note_ else []
+        )
+        kept = keep(context, result, words, db)
+    _tell(made, warnings, name, written, kept, as_json=as_json)
 
 
 def _of_file(path: Path, measured: Bsdf, incident: float | None, outgoing: float | None) -> Mapping[Key, Reach]:
@@ -176,32 +223,25 @@ def _of_file(path: Path, measured: Bsdf, incident: float | None, outgoing: float
 
 
 def _of_scans(
-    inputs: list[str],
-    choices: dict[str, object],
-    sample: str | None,
-    db: str | None,
+    measurement: Measurement,
     channel: list[str] | None,
     limits: tuple[float | None, float | None],
     method: Method,
     symmetry: Symmetry | Literal["auto"],
-) -> tuple[str, Bsdf, Mapping[Key, Reach], list[str]]:
-    from clerestory.measure.given import measurement_given
+) -> tuple[Bsdf, Mapping[Key, Reach], list[str]]:
     from clerestory.measure.hybrid import reaches_of
     from clerestory.measure.interpolant import fit
 
-    measurement = measurement_given(inputs, sample=sample, database=db, **choices)
     with progress("fit") as done:
         fitted = fit(measurement, method=method, symmetry=symmetry, channels=channel, hold_out=False, progress=done)
-    reaches = reaches_of(
-        measurement,
-        fitted,
-        incident_deg=90.0 if limits[0] is None else limits[0],
-        outgoing_deg=90.0 if limits[1] is None else limits[1],
-    )
-    return measurement.sample, fitted.bsdf, reaches, list(fitted.warnings)
+    incident, outgoing = (90.0 if limit is None else limit for limit in limits)
+    reaches = reaches_of(measurement, fitted, incident_deg=incident, outgoing_deg=outgoing)
+    return fitted.bsdf, reaches, list(fitted.warnings)
 
 
-def _tell(made: Hybrid, warnings: list[str], name: str, written: list[Path], *, as_json: bool) -> None:
+def _tell(
+    made: Hybrid, warnings: list[str], name: str, written: list[Path], kept: Kept | None, *, as_json: bool
+) -> None:
     if as_json:
         rows = []
         for part in made.parts:
@@ -209,7 +249,7 @@ def _tell(made: Hybrid, warnings: list[str], name: str, written: list[Path], *, 
             for what in ("incident", "solid_angle", "flux"):
                 row[f"simulated_{what}"] = 1.0 - getattr(part, f"measured_{what}")
             rows.append(row)
-        print_json({"sample": name, "written": written, "components": rows, "warnings": warnings})
+        print_json({"sample": name, "written": written, "components": rows, "warnings": warnings, "kept": kept})
         return
     for text in warnings:
         note(f"warning: {text}")
@@ -217,3 +257,5 @@ def _tell(made: Hybrid, warnings: list[str], name: str, written: list[Path], *, 
         say(part.words)
     for path in written:
         note(f"wrote {path}")
+    if kept is not None:
+        note(kept.words)

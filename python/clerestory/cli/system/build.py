@@ -120,8 +120,11 @@ def _write(made: Specified, built: Built, output: Path, target: str) -> None:
             "patches)"
         )
     name = one_of(target, "--for", ("plain", "radiance", "window", "energyplus"))
+    from clerestory.system.exchange import described
+
+    bsdf, notes = described(made, built.matrices)
     with about(output):
-        for text in built.matrices.write(output, target=cast("Target", name)):
+        for text in (*notes, *bsdf.write(output, target=cast("Target", name))):
             warn(output, text)
 
 

@@ -1,9 +1,9 @@
-"""`clerestory system export`: a window as a luminaire for lighting design, and the daylight that it supplies."""
+"""`clerestory system export`: a window for other programs, as data, as a luminaire, or as the daylight it supplies."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
@@ -14,19 +14,27 @@ from clerestory.cli.common import (
     note,
     numbers,
     one_of,
+    plain,
     print_json,
     read,
     refuse_overwriting,
     say,
+    warn,
     write_whole,
 )
 from clerestory.cli.system.product import is_data_set, solved, specified
 
 if TYPE_CHECKING:
     from clerestory.bsdf import Bsdf
+    from clerestory.files import Target
     from clerestory.sky import Place, Sky
+    from clerestory.system.build import Specified
+    from clerestory.system.product import Curve
+    from clerestory.system.window import Built
 
-_SUFFIXES = (".ldt", ".ies", ".csv")
+_LIGHT = (".ldt", ".ies", ".csv")
+_DATA = (".xml", ".xml.gz", ".idf", ".epjson", ".json")
+_TARGETS = ("plain", "radiance", "window", "energyplus")
 _SKIES = ("clear", "overcast", "uniform")
 
 
@@ -46,9 +54,21 @@ def export(
             "-o",
             "--output",
             metavar="OUT",
-            help="Candle power: .ldt (EULUMDAT) or .ies (LM-63); daylight supply of two clear days: .csv.",
+            help="Data set .xml; EnergyPlus .idf or .epJSON; manifest .json; candle power .ldt (EULUMDAT) or .ies "
+            "(LM-63); daylight supply of two clear days .csv.",
         ),
     ],
+    to: Annotated[
+        str | None,
+        typer.Option(
+            "--to",
+            metavar="PROGRAM",
+            help="What an XML file is for: plain (all bands, the default), radiance, window, energyplus.",
+        ),
+    ] = None,
+    safety: Annotated[
+        float, typer.Option("--safety", metavar="DEG", help="Added to the tilts of the control curve of slats.")
+    ] = 0.0,
     sky: Annotated[str, typer.Option("--sky", metavar="KIND", help="clear, overcast or uniform.")] = "overcast",
     sun: Annotated[
         str | None,
@@ -70,16 +90,25 @@ def export(
     band: Annotated[str | None, typer.Option("--band", metavar="NAME", help="Visible by default.")] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Write a window as a luminaire under a sky, or the daylight that it supplies on clear days.
+    """Write a window for other programs.
 
-    In the luminaire's file the inward normal of the window is the nadir, and C 90 is up. The sun's beams, which no such
-    file can hold, are spread over a step and listed.
+    XML holds all bands and sides, thermal properties and, in an element that other programs pass over, components, U
+    and solar heat gain, control curve and orientation. For EnergyPlus it is a Construction:ComplexFenestrationState
+    with all that it refers to. As a luminaire it stands under a sky: the inward normal of the window is the nadir, C 90
+    is up; the sun's beams, which no such file can hold, are spread over a step and listed.
 
-    Example: clerestory system export blind.xml -o blind.ldt --sky clear --sun 40,180
+    Example: clerestory system export double-glazing-roller-blind -o window.idf
     """
-    suffix = output.suffix.lower()
-    if suffix not in _SUFFIXES:
-        raise UsageError(f"{output}: the name does not tell the format (end it with {', '.join(_SUFFIXES)})")
+    suffix = ".xml.gz" if output.name.lower().endswith(".xml.gz") else output.suffix.lower()
+    if suffix not in (*_LIGHT, *_DATA):
+        raise UsageError(f"{output}: the name does not tell the format (end it with {', '.join((*_DATA, *_LIGHT))})")
+    if suffix in _DATA:
+        if place is not None or sun is not None:
+            raise UsageError("--place and --sun go with candle power and daylight supply (leave them out)")
+        _data(product, output, suffix, to, safety, as_json=as_json)
+        return
+    if to is not None:
+        raise UsageError(f"--to goes with data sets, not with {suffix} (leave it out)")
     if (suffix == ".csv") != (place is not None):
         raise UsageError("--place goes with daylight supply, OUT.csv, which needs it (give both or neither)")
     kind = one_of(sky, "--sky", _SKIES)
@@ -101,6 +130,71 @@ def _product(product: str, *, quiet: bool) -> tuple[Bsdf, str, list[Path]]:
         return bsdf, bsdf.metadata.name or Path(product).name, [Path(product)]
     made = specified(product, quiet=quiet)
     return solved(product, made).bsdf, made.name, made.sources
+
+
+def _data(product: str, output: Path, suffix: str, to: str | None, safety: float, *, as_json: bool) -> None:
+    target = one_of(to or ("energyplus" if suffix in (".idf", ".epjson") else "plain"), "--to", _TARGETS)
+    if suffix in (".idf", ".epjson") and target != "energyplus":
+        raise UsageError(f"--to {target}: {suffix} files are for energyplus (end the name with .xml)")
+    if is_data_set(product):
+        from clerestory.system.build import load
+
+        path = Path(product)
+        layer = {"kind": "file", "file": path.name}
+        with about(path):
+            made = load({"layers": [layer]}, folder=path.parent)
+    else:
+        made = specified(product, quiet=as_json)
+    refuse_overwriting(output, made.sources)
+    built = solved(product, made)
+    with about(Path(product)):
+        notes, result = _written(made, built, output, suffix, cast("Target", target), safety)
+    for text in notes:
+        warn(product, text)
+    if as_json:
+        print_json({**result, "notes": notes, "written": [output]})
+        return
+    for key, value in result.items():
+        say(f"  {key.replace('_', ' ')}: {value}")
+    note(f"wrote {output}")
+
+
+def _written(
+    made: Specified, built: Built, output: Path, suffix: str, target: Target, safety: float
+) -> tuple[list[str], dict[str, object]]:
+    """What was assumed or left out, and what the file holds, in a few words."""
+    if suffix in (".idf", ".epjson"):
+        from clerestory.system import energyplus
+
+        objects, notes = energyplus.fenestration(made.window, built, made.name)
+        write_whole(output, energyplus.idf(objects) if suffix == ".idf" else energyplus.epjson(objects))
+        return notes, {"construction": objects[-1].name, "objects": len(objects)}
+    from clerestory.system.exchange import data_set, manifest
+
+    curve = _curve(made, safety)
+    if suffix == ".json":
+        import json
+
+        found = manifest(made, built, curve=curve)
+        write_whole(output, json.dumps(plain(found), indent=1, ensure_ascii=False) + "\n")
+        return found.pop("notes"), {"components": len(made.specification.layers)}  # type: ignore[return-value]
+    bsdf, notes = data_set(made, built, curve=curve)
+    return [*notes, *bsdf.write(output, target=target)], {"bands": ", ".join(bsdf.bands)}
+
+
+def _curve(made: Specified, safety: float) -> Curve | None:
+    """The control curve of the outermost layer of slats."""
+    from clerestory.annual.control.curve import control_curve, slats_of
+    from clerestory.system.build import sample_of
+    from clerestory.system.recipe import RecipeKeys
+    from clerestory.trace.kinds.blind import VenetianBlind
+
+    for keys in made.specification.layers:
+        if isinstance(keys, RecipeKeys):
+            sample = sample_of(keys, made.folder)
+            if isinstance(sample.recipe.sample, VenetianBlind):
+                return control_curve(slats_of(sample), safety_deg=safety).as_product()
+    return None
 
 
 def _place(text: str) -> Place:

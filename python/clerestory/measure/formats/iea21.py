@@ -11,12 +11,12 @@ import re
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from scipy.spatial import Delaunay, QhullError
 
-from clerestory._core import FileFormatError, read_table, write_table
+from clerestory._core import ClerestoryError, FileFormatError, read_table, write_table
 from clerestory.counts import counted
 from clerestory.directions import SCATTERS, SIDES
 from clerestory.measure.contents import Contents
+from clerestory.measure.delaunay import surface
 from clerestory.measure.formats.choices import lit_side, one_of, sample_of, scatter_of
 from clerestory.measure.formats.frame import Frame, halves, signed
 from clerestory.measure.formats.header import (
@@ -196,27 +196,16 @@ def _doubts(scan: Scan, line: int) -> list[str]:
     stated = number_of(words, "the hemispherical value", line)
     if "%" in words or stated > 1.5:
         stated /= 100.0
-    found = _integrated(scan)
-    if found is None or found[1] < _COVERED:
-        return ["the points do not span enough of the hemisphere to verify the stated hemispherical value"]
-    if abs(found[0] - stated) > _TOLERANCE * max(stated, 0.01) + (1.0 - found[1]) * stated:
-        return [f"the points come to a hemispherical value of {found[0]:.3g}, and the file states {stated:.3g}"]
-    return []
-
-
-def _integrated(scan: Scan) -> tuple[float, float] | None:
-    """Integral over triangles of points in the disk, where areas are projected solid angles, and the share spanned."""
-    places = scan.outgoing[:, :2]
-    values = scan.channel(scan.channels[0]).copy()
-    if scan.quantity == "dsf":
-        values /= np.maximum(np.cos(np.radians(scan.theta_deg)), 0.02)
     try:
-        corners = Delaunay(places).simplices
-    except (QhullError, ValueError):
-        return None
-    a, b = (places[corners[:, k]] - places[corners[:, 0]] for k in (1, 2))
-    areas = 0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
-    return float(areas @ values[corners].mean(axis=1)), float(areas.sum() / np.pi)
+        whole = surface(scan, clip_deg=0.0, gap_deg=180.0).integrate()
+    except ClerestoryError:  # too few points, or on one line
+        whole = None
+    if whole is None or whole.covered < _COVERED:
+        return ["the points do not span enough of the hemisphere to verify the stated hemispherical value"]
+    found = float(whole.total[0] - whole.extrapolated[0])
+    if abs(found - stated) > _TOLERANCE * max(stated, 0.01) + (1.0 - whole.covered) * stated:
+        return [f"the points come to a hemispherical value of {found:.3g}, and the file states {stated:.3g}"]
+    return []
 
 
 def write(measurement: Measurement, **choices: object) -> dict[str, bytes]:

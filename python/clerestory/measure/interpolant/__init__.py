@@ -2,5 +2,6 @@
 
 from clerestory.measure.interpolant.fitted import Component, Fit, HeldOut
 from clerestory.measure.interpolant.fitting import METHODS, Method, fit
+from clerestory.measure.interpolant.lines import spread_lines
 
-__all__ = ["METHODS", "Component", "Fit", "HeldOut", "Method", "fit"]
+__all__ = ["METHODS", "Component", "Fit", "HeldOut", "Method", "fit", "spread_lines"]

@@ -17,9 +17,10 @@ from clerestory.bsdf import Bsdf
 from clerestory.directions import SCATTERS, SIDES
 from clerestory.measure.delaunay import NoSurfaceError
 from clerestory.measure.interpolant.fitted import Component, Fit, HeldOut
+from clerestory.measure.interpolant.lines import is_line
 from clerestory.measure.interpolant.residual import Residual
 from clerestory.measure.prepare.noise import noise
-from clerestory.measure.prepare.step import same_light
+from clerestory.measure.prepare.step import light_in_words, same_light
 from clerestory.measure.prepare.symmetry import SYMMETRIES, chosen, scores
 from clerestory.measure.scan import Measurement
 from clerestory.model import Model
@@ -80,7 +81,8 @@ def fit(
     Raises
     ------
     ClerestoryError
-        There are too few points or incident directions, or the values are a detector's signal.
+        There are too few points or incident directions, they lie on lines (see `spread_lines`), or the values are a
+        detector's signal.
     """
     if method not in METHODS:
         raise ClerestoryError(f"method {method!r} is not known (give {', '.join(METHODS)})")
@@ -125,6 +127,7 @@ def _component(
     side, scatter = scans[0].incident_side, scans[0].scatter
     symmetry, reason = _symmetry(scans, band, wanted, warnings)
     groups = same_light(scans)
+    _refuse_lines(groups)
     distributions = distributions_of(groups, band, symmetry, progress)
     model = Model(distributions.model(symmetry, method, progress))
     count = len(groups)
@@ -194,6 +197,15 @@ def distributions_of(
         if held > 0.0 and abs(lacks) > _SIGNIFICANT * float(np.sqrt(error.scatter[0])):
             factors[k] = max(0.0, 1.0 + lacks / held)
     return made.scaled(factors, np.ones(len(groups)))
+
+
+def _refuse_lines(groups: Sequence[Sequence[Scan]]) -> None:
+    for group in groups:
+        if is_line(group):
+            raise ClerestoryError(
+                f"{light_in_words(group[0])}: points along a line say nothing of what lies beside it (assume that it"
+                " can be turned about the mirrored or straight direction: --lines; or fit a formula)"
+            )
 
 
 def _symmetry(

@@ -89,16 +89,7 @@ def close_up_figure(
         through = linear if kind == "linear" else surface(of.scan, interpolated=interpolation(kind), clip_deg=0.0)
         values = through.evaluate(grid, dsf=quantity == "dsf", extrapolate=False)[..., 0]
         norm = scale_of(np.concatenate([of_points, values[np.isfinite(values)]]), kind, limits)
-        panel.set_facecolor(style.MISSING["facecolor"])
-        panel.patch.set(hatch=style.MISSING["hatch"], edgecolor=style.MISSING["edgecolor"], linewidth=0.0)
-        image = panel.imshow(
-            values,
-            origin="lower",
-            extent=(-half, half, -half, half),
-            interpolation="nearest",
-            cmap=style.colours(),
-            norm=norm,
-        )
+        image = style.square_image(panel, values, half, norm)
         size = float(np.clip(60.0 / np.sqrt(shown.sum()), 0.7, 3.5))
         handles = panel.plot(
             *at[shown].T,

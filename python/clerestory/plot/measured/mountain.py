@@ -87,12 +87,11 @@ def mountain_figure(
         style.mappable(norm), ax=ax, shrink=0.6, pad=0.08, extend=style.extend(values, norm)
     )
     bar.set_label(style.UNITS[quantity])
-    ax.legend(
-        handles=handles,
-        loc="upper center",
-        bbox_to_anchor=(0.5, 0.03),
-        title=f"light leaving to the {of.scan.side}; base as seen from the room, circles at 30°, 60° and 90°",
-        title_fontsize=8,
+    style.legend_below(
+        ax,
+        handles,
+        f"light leaving to the {of.scan.side}; base as seen from the room, circles at 30°, 60° and 90°",
+        low=0.03,
     )
     return style.figure_of(ax)
 

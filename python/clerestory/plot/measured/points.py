@@ -74,12 +74,10 @@ def points_figure(
     ax.set_title(of.title())
     bar = style.figure_of(ax).colorbar(marks, ax=ax, shrink=0.82, pad=0.02, extend=style.extend(values, norm))
     bar.set_label(style.UNITS[quantity])
-    ax.legend(
-        handles=handles,
-        loc="upper center",
-        bbox_to_anchor=(0.5, 0.02),
-        title=f"measured points, light leaving to the {of.scan.side}, as seen from the room",
-        title_fontsize=8,
+    style.legend_below(
+        ax,
+        handles,
+        f"measured points, light leaving to the {of.scan.side}, as seen from the room",
     )
     return style.figure_of(ax)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING
 
 from clerestory.trace.keys import Keys, Number
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
     from clerestory.trace.workshop import Workshop
 
 
-class Kind(Keys):
+class Kind(Keys, ABC):
     """A kind of sample, or of a layer of one."""
 
     name: str | None = None
@@ -21,6 +22,7 @@ class Kind(Keys):
     z_mm: Number = 0.0
     """Where the plane that its own lengths are counted from lies [mm]; negative towards the exterior."""
 
+    @abstractmethod
     def shapes(self, shop: Workshop, key: str) -> Sequence[Shape]:
         """Its shapes, z counted from its own plane [m].
 
@@ -29,7 +31,6 @@ class Kind(Keys):
         RecipeError
             It cannot be; the text names the key.
         """
-        raise NotImplementedError
 
     def placed(self, shop: Workshop, key: str) -> list[Shape]:
         """Its shapes, shifted to its plane and put in order from the exterior to the interior."""
