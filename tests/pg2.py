@@ -152,7 +152,7 @@ def _cap(axis, radius, count):
     return points, np.full(len(u), np.pi * radius**2 / count**2)
 
 
-def scan(sample, theta_deg, phi_deg, *, noise=2e-4, relative=0.01, seed=0, spacing_deg=3.0):
+def scan(sample, theta_deg, phi_deg, *, noise=2e-4, relative=0.01, seed=0, spacing_deg=3.0, fine=28):
     """One scan: transmission from the exterior."""
     at = travel(theta_deg, phi_deg)
     _, lobes = SAMPLES[sample](at)
@@ -163,8 +163,8 @@ def scan(sample, theta_deg, phi_deg, *, noise=2e-4, relative=0.01, seed=0, spaci
         rings.append(direction(np.full(count, ring_deg), azimuths, side="interior"))
     for lobe in lobes:
         if lobe.width < np.radians(2.0):
-            fine, _ = _cap(lobe.axis, np.radians(5.0), 28)
-            rings.append(fine[fine[:, 2] > np.cos(np.radians(TOP_DEG))])
+            near, _ = _cap(lobe.axis, np.radians(5.0), fine)
+            rings.append(near[near[:, 2] > np.cos(np.radians(TOP_DEG))])
     outgoing = np.concatenate(rings)
     values = bsdf(sample, at, outgoing)
     rng = np.random.default_rng([seed, round(10 * theta_deg), round(10 * phi_deg)])

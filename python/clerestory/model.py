@@ -51,6 +51,41 @@ class Model(TreeOperations):
         )
         return cls(core)
 
+    def with_standard_errors(self, standard_errors: ArrayLike, totals: ArrayLike | None = None) -> Model:
+        """The same matrix with other standard errors.
+
+        Parameters
+        ----------
+        standard_errors
+            One a value [1/sr], rows of outgoing and columns of incident patches.
+        totals
+            Standard errors of the direct-hemispherical values (incident patches,), where they are known by
+            themselves: errors of one measurement's values are not independent.
+
+        Raises
+        ------
+        ClerestoryError
+            The model is no matrix, numbers do not fit, or an error is negative.
+        """
+        if self.kind != "matrix":
+            raise ClerestoryError(f"standard errors go with a matrix, not with a {self.kind} (convert it first)")
+        kind, numbers, bases, arrays, models = self._core.to_parts()
+        errors = np.asarray(standard_errors, dtype=np.float64)
+        if errors.shape != self.values.shape:
+            raise ClerestoryError(f"standard errors of shape {errors.shape} do not go with {self.values.shape}")
+        kept = [(name, array) for name, array in arrays if name == "values"]
+        kept.append(("standard_errors", np.ascontiguousarray(errors.T).ravel()))
+        if totals is not None:
+            kept.append(("total_standard_errors", np.ascontiguousarray(totals, dtype=np.float64)))
+        return Model(_core.Model.from_parts(kind, numbers, bases, kept, models))
+
+    @property
+    def total_standard_errors(self) -> NDArray[np.float64] | None:
+        """Standard errors of a matrix's direct-hemispherical values (incident patches,), if it has any of its own."""
+        arrays = dict(self._core.to_parts()[3])
+        found = arrays.get("total_standard_errors")
+        return None if found is None else np.asarray(found, dtype=np.float64)
+
     @classmethod
     def lambertian(cls, value: float) -> Model:
         """Ideal diffuser of a given direct-hemispherical transmittance or reflectance."""

@@ -129,6 +129,29 @@ class Surface:
         covered = float(projected[between].sum() / np.pi)
         return Integral(per_triangle.sum(axis=0), per_triangle[~between].sum(axis=0), covered)
 
+    def places(self, outgoing: ArrayLike) -> tuple[NDArray[np.int64], Floats, NDArray[np.bool_]]:
+        """The three places around directions (n, 3), their shares (n, 3), and whether each was measured (n,).
+
+        What is interpolated in a direction is the sum of shares times `values` of these places.
+        """
+        found, weights = self._find(_onto_plane(np.asarray(outgoing, dtype=np.float64)))
+        return self.plane.simplices[found].astype(np.int64), weights, self.measured_triangles[found]
+
+    def weights(self) -> Floats:
+        """What the value of each place counts for in the integral of BSDF·cos θ where it was measured [sr] (places,).
+
+        For a surface of BSDF: the integral is the sum of weights times values.
+        """
+        made = np.zeros(len(self.values))
+        simplices = self.plane.simplices[self.measured_triangles]
+        corners = self.plane.points[simplices]
+        areas = 0.5 * np.abs(_areas(corners, corners[:, 0])[:, 0])
+        for node, weight in zip(_NODES, _WEIGHTS, strict=True):
+            r2 = (np.einsum("tij,i->tj", corners, node) ** 2).sum(axis=1)
+            flux = weight * areas * 4.0 / (1.0 + r2) ** 2 * (1.0 - r2) / (1.0 + r2)
+            np.add.at(made, simplices, flux[:, None] * node)
+        return made
+
     def onto(self, basis: Basis, *, across: int = 8) -> tuple[Floats, Floats]:
         """Mean BSDF of patches by projected solid angle (patches, channels), and the share of each that was measured.
 

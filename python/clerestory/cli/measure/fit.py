@@ -20,6 +20,7 @@ from clerestory.cli.common import (
     refuse_overwriting,
     say,
 )
+from clerestory.cli.measure.budgets import as_rows, budgets_of, say_budgets
 from clerestory.cli.measure.inputs import measurement_of, words_of
 from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep, stem_of
 from clerestory.cli.measure.options import (
@@ -36,8 +37,11 @@ from clerestory.cli.measure.options import (
 
 if TYPE_CHECKING:
     from clerestory.bsdf import Bsdf
+    from clerestory.directions import Scatter, Side
+    from clerestory.measure import Measurement
     from clerestory.measure.interpolant import Fit, Method
     from clerestory.measure.prepare.symmetry import Symmetry
+    from clerestory.measure.uncertainty import Uncertainty
 
 _TREES = ("tensor3", "tensor4")
 _SUFFIXES = (".xml", ".xml.gz", ".bsdf.npz")
@@ -84,6 +88,17 @@ def fit(
         int, typer.Option(metavar="N", help="2^N cells an axis, for trees: 6 is 4,096 × 4,096, 7 is 16,384 × 16,384.")
     ] = 6,
     cull: Annotated[float, typer.Option(metavar="PCT", help="Percentage of a tree's finest blocks to merge.")] = 90.0,
+    uncertainty: Annotated[
+        bool, typer.Option("--uncertainty/--no-uncertainty", help="Say how far values are to be believed, by cause.")
+    ] = True,
+    level: Annotated[
+        float,
+        typer.Option(metavar="PCT", help="Standard uncertainty of the level of all values, of the beam or a sphere."),
+    ] = 0.0,
+    cone: Annotated[
+        float | None,
+        typer.Option(metavar="DEG", help="Full angle of source and detector together, where files do not say."),
+    ] = None,
     report: Annotated[
         Path | None,
         typer.Option(
@@ -114,6 +129,7 @@ def fit(
     from clerestory.measure.interpolant import METHODS, spread_lines
     from clerestory.measure.interpolant import fit as fitted
     from clerestory.measure.prepare.symmetry import SYMMETRIES
+    from clerestory.measure.uncertainty.tables import with_errors
 
     chosen_method = cast("Method", one_of(method, "--method", METHODS))
     chosen_symmetry = cast('Symmetry | Literal["auto"]', one_of(symmetry, "--symmetry", ("auto", *SYMMETRIES)))
@@ -124,6 +140,10 @@ def fit(
         basis = "klems-full"
     if not 1 <= resolution <= 7:
         raise UsageError(f"--resolution {resolution}: a whole number from 1 to 7")
+    if not 0.0 <= level < 100.0:
+        raise UsageError(f"--level {level:g}: a percentage from 0 to below 100")
+    if cone is not None and not 0.0 <= cone < 90.0:
+        raise UsageError(f"--cone {cone:g}: degrees from 0 to below 90")
     words = words_of(inputs, sample)
     if report is not None:
         if report.suffix.lower() not in (".html", ".pdf"):
@@ -139,10 +159,15 @@ def fit(
         assumed = step.warnings
     with progress("fit") as done:
         made = fitted(measurement, method=chosen_method, symmetry=chosen_symmetry, channels=channel, progress=done)
+    found = _uncertainties(measurement, made, basis, level, cone) if uncertainty else {}
+    told = budgets_of(found)
     bsdf = made.bsdf.with_metadata(name=made.sample) if made.sample else made.bsdf
     if basis is not None:
         with progress("convert") as done:
             bsdf = _converted(bsdf, basis, resolution, cull, done)
+        if npz and basis not in _TREES and found:
+            with progress("uncertainty") as done:
+                bsdf = with_errors(bsdf, found, progress=done)
     with about(output):
         notes = bsdf.write(output)
     if report is not None:
@@ -159,6 +184,8 @@ def fit(
     if basis in _TREES:
         settings |= {"resolution": resolution, "cull": cull}
     settings |= {"laboratory": laboratory, "date": date, **choices}
+    if uncertainty:
+        settings |= {"level_percent": level, "cone_deg": cone}
     kept = None
     if keep_:
         result = Made(
@@ -187,6 +214,7 @@ def fit(
                 "method": made.method,
                 "written": output,
                 "components": components,
+                "uncertainty": as_rows(told),
                 "warnings": [*assumed, *made.warnings, *notes],
                 "report": report,
                 "kept": kept,
@@ -197,6 +225,7 @@ def fit(
         note(f"warning: {text}")
     for line in made.lines():
         say(line)
+    say_budgets(told)
     for path in filter(None, (output, report)):
         note(f"wrote {path}")
     if kept is not None:
@@ -213,6 +242,22 @@ def _steps(made: Fit, basis: str | None, notes: list[str], assumed: tuple[str, .
     if basis is not None:
         steps.append({"step": "conversion", "what": f"a table on {basis}", "warnings": notes})
     return steps
+
+
+def _uncertainties(
+    measurement: Measurement, made: Fit, basis: str | None, level: float, cone: float | None
+) -> dict[tuple[str, Side, Scatter], Uncertainty]:
+    from clerestory.basis import Basis
+    from clerestory.measure.delaunay import NoSurfaceError
+    from clerestory.measure.uncertainty import Settings, uncertainties
+
+    patches = Basis.named("klems-full" if basis is None or basis in _TREES else basis)
+    try:
+        with progress("uncertainty") as done:
+            return uncertainties(measurement, made, Settings(cone, 0.01 * level), basis=patches, progress=done)
+    except NoSurfaceError as error:
+        note(f"warning: how far values are to be believed is not known: {error}")
+        return {}
 
 
 def _converted(bsdf: Bsdf, basis: str, resolution: int, cull: float, done: object) -> Bsdf:

@@ -15,8 +15,10 @@ from clerestory import _core
 from clerestory._core import ClerestoryError
 from clerestory.bsdf import Bsdf
 from clerestory.directions import SCATTERS, SIDES
+from clerestory.measure.delaunay import NoSurfaceError
 from clerestory.measure.interpolant.fitted import Component, Fit, HeldOut
 from clerestory.measure.interpolant.lines import is_line
+from clerestory.measure.interpolant.residual import Residual
 from clerestory.measure.prepare.noise import noise
 from clerestory.measure.prepare.step import light_in_words, same_light
 from clerestory.measure.prepare.symmetry import SYMMETRIES, chosen, scores
@@ -42,6 +44,8 @@ _LEAST_ERROR = 1e-5
 """Standard error [1/sr] that no point is better than."""
 _MOST_LEFT_OUT = 24
 """Incident directions that are left out in turn; of more, so many spread over all."""
+_SIGNIFICANT = 2.0
+"""Standard errors beyond which light that lobes lack is given to them."""
 _ONE_AZIMUTH_DEG = 1.0
 """Scans whose azimuths differ by less are in one plane of incidence."""
 
@@ -124,8 +128,7 @@ def _component(
     symmetry, reason = _symmetry(scans, band, wanted, warnings)
     groups = same_light(scans)
     _refuse_lines(groups)
-    measured = [_points(group, band, mirrored=symmetry == "isotropic") for group in groups]
-    distributions = _core.Distributions(measured, progress)
+    distributions = distributions_of(groups, band, symmetry, progress)
     model = Model(distributions.model(symmetry, method, progress))
     count = len(groups)
     step = max(1, -(-count // _MOST_LEFT_OUT))
@@ -166,6 +169,34 @@ def _component(
         held,
     )
     return model, component
+
+
+def distributions_of(
+    groups: Sequence[Sequence[Scan]],
+    band: str,
+    symmetry: Symmetry,
+    progress: Callable[[float], object] | None = None,
+) -> _core.Distributions:
+    """Lobes of the scans of each light, with as much light as their points have.
+
+    What is left of the points when the lobes are taken off is integrated over triangles: where lobes follow the points
+    badly, as along a narrow ring, that is light that they lack. Points that make no surface cannot tell.
+    """
+    mirrored = symmetry == "isotropic"
+    made = _core.Distributions([_points(group, band, mirrored=mirrored) for group in groups], progress)
+    first = groups[0][0]
+    nearest = Model(made.model(symmetry, "nearest", None))
+    each = Bsdf.from_models({band: {(first.incident_side, first.scatter): nearest}})
+    factors = np.ones(len(groups))
+    for k, (group, held) in enumerate(zip(groups, made.scattered(), strict=True)):
+        try:
+            error = Residual.of(group, each, band, mirrored=mirrored).total
+        except NoSurfaceError:
+            continue
+        lacks = float(error.off[0])
+        if held > 0.0 and abs(lacks) > _SIGNIFICANT * float(np.sqrt(error.scatter[0])):
+            factors[k] = max(0.0, 1.0 + lacks / held)
+    return made.scaled(factors, np.ones(len(groups)))
 
 
 def _refuse_lines(groups: Sequence[Sequence[Scan]]) -> None:
