@@ -155,6 +155,7 @@ def test_glare_is_judged_by_what_the_eye_gets(arrivals, states):
     assert not disc[0, :, 2].any()
 
 
+@pytest.mark.slow
 def test_what_laws_look_at_takes_little_memory(arrivals, states, monkeypatch):
     """Steps are looked at a few at a time where there are many points and states, with the same result."""
     made = arrivals.matrices.room

@@ -235,10 +235,9 @@ def fit(
 def _steps(made: Fit, basis: str | None, notes: list[str], assumed: tuple[str, ...]) -> list[dict[str, object]]:
     """What was done, for the database."""
     figures = plain([asdict(component) for component in made.components])
-    steps: list[dict[str, object]] = [
-        *({"step": "lines", "what": text, "warnings": [text]} for text in assumed),
-        {"step": "fit", "what": "; ".join(made.lines()), "figures": figures, "warnings": list(made.warnings)},
-    ]
+    steps: list[dict[str, object]] = [{"step": "lines", "what": text, "warnings": [text]} for text in assumed]
+    what = "; ".join(made.lines())
+    steps.append({"step": "fit", "what": what, "figures": figures, "warnings": list(made.warnings)})
     if basis is not None:
         steps.append({"step": "conversion", "what": f"a table on {basis}", "warnings": notes})
     return steps

@@ -54,8 +54,8 @@ class Origins(Writing):
         if not rows and item.source is not None:
             parent = _product(connection, item.source.sha256, found.products)
             if parent is not None:
-                sample = select(tables.samples.c.name).join_from(_models, tables.samples).where(_models.c.id == parent)
-                found.samples.setdefault(connection.execute(sample).scalar_one())
+                asked = select(tables.samples.c.name).join_from(_models, tables.samples).where(_models.c.id == parent)
+                found.samples.setdefault(connection.execute(asked).scalar_one())
                 found.parents.setdefault(parent)
                 return
             rows = _of_file(connection, table, item, item.source)
