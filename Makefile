@@ -37,11 +37,13 @@ format: $(VENV)/.deps
 	$(BIN)/ruff format .
 	cargo fmt
 
-# Renews requirements.lock from pyproject.toml.
+# Renews requirements.lock and requirements-peers.lock from pyproject.toml.
+COMPILE = $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --no-annotate
+
 lock: $(VENV)/.deps
 	$(BIN)/pip install --quiet uv
-	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --no-annotate \
-		--group build --group lint --group test pyproject.toml -o requirements.lock
+	$(COMPILE) --group build --group lint --group test pyproject.toml -o requirements.lock
+	$(COMPILE) --group peers -c requirements.lock -o requirements-peers.lock
 
 setup: $(VENV)/.built
 

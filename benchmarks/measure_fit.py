@@ -29,7 +29,7 @@ def _theirs(files: list[str], target: Path) -> None:
     middle = target.with_suffix(".sir")
     threads = str(os.cpu_count() or 1)
     for command, out in (
-        ([str(programs / "pabopto2bsdf"), "-q", "-n", threads, "-s", "up", *files], middle),
+        ([str(programs / "pabopto2bsdf"), "-n", threads, "-s", "up", *files], middle),
         ([str(programs / "bsdf2ttree"), "-g", "6", str(middle)], target),
     ):
         with out.open("wb") as stream:

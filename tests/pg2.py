@@ -96,6 +96,15 @@ def travel(theta_deg, phi_deg):
     return -np.sin(np.radians(theta_deg)) * np.array([np.cos(np.radians(phi_deg)), np.sin(np.radians(phi_deg))])
 
 
+def brightest(sample, at):
+    """Directions of the peaks (n, 3); of a ring, all along it."""
+    if sample == "ring":
+        turn = 2.0 * np.pi * np.arange(720) / 720
+        places = 0.55 * at[:, None] + 0.3 * np.array([np.cos(turn), np.sin(turn)])
+        return np.array([_up(*place) for place in places.T])
+    return np.array([lobe.axis for lobe in SAMPLES[sample](at)[1]])
+
+
 def bsdf(sample, at, outgoing):
     """As the instrument sees it, without noise [1/sr]."""
     floor, lobes = SAMPLES[sample](at)

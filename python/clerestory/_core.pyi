@@ -469,7 +469,6 @@ class WindowGroups:
         self,
         points: _Floats,
         normals: _Floats,
-        direct_meetings: int,
         samples: int,
         seed: int,
         report: Callable[[float], object] | None = None,

@@ -105,6 +105,19 @@ def test_two_that_agree_are_one_and_keep_their_energy():
     assert any("times the simulated, outside" in text for text in kept.warnings)
 
 
+def test_what_was_only_simulated_is_taken_as_it_is_and_too_much_light_is_said():
+    bright = data_set(lambda i, o: 2.5 * truth(i, o))
+    reaches = reaches_known(bright, incident_deg=65.0, outgoing_deg=75.0)
+    back = ("exterior", "reflection")
+    both = Bsdf.from_models({**data_set(other).models["visible"], back: Model.lambertian(0.3)})
+    made = joined(bright, reaches, both, basis="klems-quarter")
+    (alone,) = [part for part in made.parts if part.scatter == "reflection"]
+    assert (alone.measured_incident, alone.measured_solid_angle, alone.measured_flux) == (0.0, 0.0, 0.0)
+    assert "all of it simulated" in alone.words
+    np.testing.assert_allclose(made.bsdf.models["visible"][back].values, 0.3 / np.pi, rtol=1e-6)
+    assert any("more than arrives" in text for text in made.warnings)
+
+
 def test_scans_tell_how_far_they_reach():
     thetas = (0.0, 20.0, 40.0, 60.0)
     measurement = series(diffuse_and_peak, thetas_deg=thetas, phis_deg=(0.0,))
@@ -183,6 +196,8 @@ def test_from_scans_and_a_traced_file_on_the_command_line(tmp_path, monkeypatch,
     assert any("simulated light times" in text for text in made.metadata.comments)
     assert tmp_path.joinpath("film.png").stat().st_size > 10_000
     assert main([*words[:-1], "film.gif"]) == 2
+    assert main([*words, "--blend", "0"]) == 2
+    assert main([*words, "--resolution", "12"]) == 1
     assert main(["measure", "hybrid", "film.xml", "--with", "traced.bsdf.npz", "-o", "again.xml"]) == 2
     assert "--incident-limit" in capsys.readouterr().err
     assert not tmp_path.joinpath("again.xml").exists()

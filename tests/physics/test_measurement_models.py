@@ -28,7 +28,7 @@ def between(name, method):
         at = pg2.travel(THETA[k], PHI[k])
         off.append(totals[k] / pg2.total(name, at) - 1.0)
         found = np.array([*brightest[k], np.sqrt(max(0.0, 1.0 - brightest[k] @ brightest[k]))])
-        axes = np.array([lobe.axis for lobe in pg2.SAMPLES[name](at)[1]])
+        axes = pg2.brightest(name, at)
         angles.append(np.degrees(np.arccos(np.clip((axes @ found).max(), -1.0, 1.0))))
         truth = pg2.bsdf(name, at, pg2.EVEN)
         values = made.bsdf.evaluate(np.tile(incident[k], (len(pg2.EVEN), 1)), pg2.EVEN)
@@ -36,14 +36,20 @@ def between(name, method):
     return np.array(off), np.array(angles), np.array(rms)
 
 
-@pytest.mark.parametrize("name", ["peak", "off-specular"])
+#: Most that transport's RMS error may be of linear interpolation's, on average over the directions.
+WORSE = {"peak": 0.1, "off-specular": 0.9, "ring": 0.3, "twill": 0.3, "prism": 0.1}
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["peak", "off-specular", "ring", *(pytest.param(name, marks=pytest.mark.slow) for name in ("twill", "prism"))],
+)
 def test_samples_come_back_between_measured_directions(name):
     off, angles, rms = between(name, "transport")
     assert np.abs(off).max() < 0.01
-    # The top of a lobe 9° wide is flat: 1 % of noise moves it more than that of a peak.
-    assert angles.max() < (0.1 if name == "peak" else 0.7)
+    assert angles.max() < (0.1 if name == "peak" else 0.5)
     _, _, linear = between(name, "linear")
-    assert rms.mean() < (0.1 if name == "peak" else 1.0) * linear.mean()
+    assert rms.mean() < WORSE[name] * linear.mean()
 
 
 def test_a_model_says_how_good_it_is_and_survives_its_file(tmp_path):

@@ -204,6 +204,10 @@ def test_a_window_for_other_programs(folder, capsys):
     assert main(["system", "rate", str(folder / "window.toml"), "--json"]) == 0
     heat = json.loads(capsys.readouterr().out)["heat"]
     assert (data.heat.u, data.heat.shgc) == pytest.approx((heat["u_w_m2k"], heat["g"]))
+    assert main(["info", str(out)]) == 0
+    told = capsys.readouterr().out
+    assert "layer or gap 2: gap, 100 % air" in told
+    assert "to be placed: roof, azimuth 0° within 10°" in told
     # For WINDOW, which asks for thermal data, and from the file again, which keeps what it said.
     assert main(["system", "build", str(folder / "window.toml"), "-o", str(folder / "w.xml"), "--for", "window"]) == 0
     assert main(["system", "export", str(out), "-o", str(folder / "again.xml"), "--to", "window"]) == 0

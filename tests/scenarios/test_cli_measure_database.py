@@ -172,7 +172,7 @@ def test_a_mixed_folder_and_records(folder, capsys):
         (("list",), 1, "laboratory.sqlite: no such database (make one with `clerestory measure import`"),
         (("import", "nothing.txt"), 1, "nothing.txt: no such file"),
         (("import", "twill", "--date", "yesterday"), 2, "--date yesterday: not a day (give it as 2020-06-24)"),
-        (("import", "twill", "--convention", "up"), 2, "--convention up: not a pair (such as up_deg=0)"),
+        (("import", "twill", "--convention", "up"), 2, "--convention up: not known (give clerestory or hslu"),
         (("import", "twill", "--convention", "down=1"), 2, "--convention down=1: not known"),
         (("import", "twill", "--side", "front"), 2, "--side front: not known"),
         (("list", "lamps"), 2, "WHAT lamps: not known"),
@@ -258,7 +258,7 @@ def test_what_a_person_gives_to_other_commands(folder, capsys):
     both = contents_given(["twill", "files"])
     assert len(both.measurements[0].scans) == 6
     write(Measurement("blind", (scan(10.0),)), folder / "more", "mountain")
-    with pytest.raises(ClerestoryError, match=r"several samples: twill, blind \(name one\)"):
+    with pytest.raises(ClerestoryError, match=r"several samples: twill, blind \(name one with --sample\)"):
         measurement_given(["files", "more"])
     assert len(measurement_given(["files", "more"], sample="blind").scans) == 1
     with pytest.raises(ClerestoryError, match=r"no scans of sample 'x' \(there are: twill, blind\)"):

@@ -173,6 +173,8 @@ def test_a_laboratorys_convention_at_import(here, capsys, name, phi_deg, words):
         (("fit", "raw", "-o", "x.xml", "--date", "2020"), "--laboratory and --date choose scans of the database"),
         (("fit", "film", "-o", "x.xml", "--report", "x.doc", *DB), "--report x.doc: not a kind of report"),
         (("fit", "film", "-o", "x.xml"), "film: no such file or folder (nor is there a database laboratory.sqlite"),
+        (("prepare", "raw", "-o", "raw"), "raw: the output would overwrite an input"),
+        (("calibrate", "raw", "--sphere", "sphere.csv", "-o", "raw"), "raw: the output would overwrite an input"),
         (("show", "model:9", *DB), "no model 9"),
         (("show", "run:9", *DB), "no run 9 (`clerestory measure list runs` has them)"),
         (("note", "film", " ", *DB), "TEXT: nothing is said"),

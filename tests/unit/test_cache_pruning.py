@@ -84,9 +84,9 @@ def test_nothing_goes_while_a_study_runs(folder):
 def test_the_command(folder, capsys):
     assert main(["cache", "--cache", str(folder), "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
-    assert {kind["kind"]: kind["entries"] for kind in told["kinds"]} == {"part": 4, "view": 1}
-    assert told["kinds"][1]["used_days_ago"] == [5.0, 5.0]
-    assert told["mb"] == pytest.approx(1e-6 * sum(entry.size for entry in entries(folder)), abs=1e-3)
+    assert {name: kind["entries"] for name, kind in told["kinds"].items()} == {"part": 4, "view": 1}
+    assert told["kinds"]["view"]["used_days_ago"] == [5.0, 5.0]
+    assert told["bytes"] == sum(entry.size for entry in entries(folder))
     assert main(["cache", "--cache", str(folder), "--prune-to", "20kB"]) == 0
     assert "removed 3 of 5 entries" in capsys.readouterr().out
     assert len(entries(folder)) == 2

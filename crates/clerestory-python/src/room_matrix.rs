@@ -83,29 +83,22 @@ impl PyWindowGroups {
         }
     }
 
-    /// Irradiance at points (n, 3) with normals (n, 3) by the radiance of the windows' patches; direct light has met no more than so
-    /// many surfaces.
-    #[pyo3(signature = (points, normals, direct_meetings, samples, seed, report=None))]
+    /// Irradiance at points (n, 3) with normals (n, 3) by the radiance of the windows' patches; direct light meets no surface.
+    #[pyo3(signature = (points, normals, samples, seed, report=None))]
     #[allow(clippy::too_many_arguments, reason = "where, what, and how")]
     fn view_matrix<'py>(
         &self,
         py: Python<'py>,
         points: PyReadonlyArray2<'_, f64>,
         normals: PyReadonlyArray2<'_, f64>,
-        direct_meetings: u16,
         samples: u32,
         seed: u64,
         report: Option<Py<PyAny>>,
     ) -> PyResult<Matrix<'py>> {
         let sensors = sensors(&points, &normals)?;
         let found = watched(py, report.as_ref(), |progress| {
-            self.room.view_matrix(
-                &sensors,
-                &self.groups,
-                direct_meetings,
-                Paths { samples, seed },
-                progress,
-            )
+            self.room
+                .view_matrix(&sensors, &self.groups, Paths { samples, seed }, progress)
         })?;
         matrix(py, found)
     }

@@ -162,7 +162,7 @@ class RoomMatrices:
         return self._of(
             "view",
             key | {"basis": self.basis.name},
-            lambda: self._groups.view_matrix(at, towards, 0, samples, self.seed, progress),
+            lambda: self._groups.view_matrix(at, towards, samples, self.seed, progress),
         )
 
     def surfaces(

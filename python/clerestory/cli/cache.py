@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -41,31 +41,31 @@ def cache(
         raise UsageError(f"--cache {folder}: there is no such folder (check it)")
     removed = [] if prune_to is None else prune(place, _bytes(prune_to))
     found, now = entries(place), time.time()
-    kinds = [
-        {
-            "kind": kind,
-            "entries": len(sizes),
-            "mb": round(1e-6 * sum(sizes), 3),
-            "used_days_ago": [round((now - when) / 86400.0, 2) for when in (max(used), min(used))],
-        }
-        for kind in sorted({entry.kind for entry in found})
-        for sizes in [[entry.size for entry in found if entry.kind == kind]]
-        for used in [[entry.used for entry in found if entry.kind == kind]]
-    ]
-    freed = round(1e-6 * sum(entry.size for entry in removed), 3)
+    kinds: dict[str, dict[str, Any]] = {}
+    for entry in found:  # that which was used last first
+        days = round((now - entry.used) / 86400.0, 2)
+        kind = kinds.setdefault(entry.kind, {"entries": 0, "bytes": 0, "used_days_ago": [days, days]})
+        kind["entries"] += 1
+        kind["bytes"] += entry.size
+        kind["used_days_ago"][1] = days
     if as_json:
-        told = {"folder": place, "mb": round(1e-6 * sum(entry.size for entry in found), 3), "kinds": kinds}
-        print_json({**told, "removed": len(removed), "removed_mb": freed})
+        told = {"folder": place, "bytes": sum(entry.size for entry in found), "kinds": kinds}
+        print_json({**told, "removed": len(removed), "removed_bytes": sum(entry.size for entry in removed)})
         return
     if kinds:
         rows = [
-            [k["kind"], str(k["entries"]), f"{k['mb']:.1f} MB", *(f"{days:.0f} d ago" for days in k["used_days_ago"])]
-            for k in kinds
+            [name, str(k["entries"]), _mb(k["bytes"]), *(f"{days:.0f} d ago" for days in k["used_days_ago"])]
+            for name, k in sorted(kinds.items())
         ]
         say(table(["kind", "entries", "size", "last used", "and longest not"], rows))
     if prune_to is not None:
-        say(f"removed {len(removed)} of {len(removed) + len(found)} entries, {freed:.1f} MB")
-    say(f"{place}: {1e-6 * sum(entry.size for entry in found):.1f} MB")
+        freed = _mb(sum(entry.size for entry in removed))
+        say(f"removed {len(removed)} of {len(removed) + len(found)} entries, {freed}")
+    say(f"{place}: {_mb(sum(entry.size for entry in found))}")
+
+
+def _mb(size: int) -> str:
+    return f"{1e-6 * size:.1f} MB"
 
 
 def _bytes(text: str) -> int:

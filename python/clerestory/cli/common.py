@@ -81,6 +81,8 @@ def _remedy(number: int | None) -> str:
         errno.EISDIR: "give a file, not a folder",
         errno.ENOTDIR: "check the path",
         errno.ENOSPC: "free some space",
+        errno.EDQUOT: "free some space",
+        errno.EFBIG: "raise the limit of a file's size",
         errno.EROFS: "choose another folder",
     }.get(number or 0, "check the file")
 

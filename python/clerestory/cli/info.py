@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from clerestory.describe import Block
     from clerestory.integrals import CutOff
     from clerestory.metadata import Metadata
+    from clerestory.system.product import ProductData
 
 
 def info(file: FileArgument, *, as_json: JsonOption = False) -> None:
@@ -26,9 +27,11 @@ def info(file: FileArgument, *, as_json: JsonOption = False) -> None:
     """
     from clerestory.check import check
     from clerestory.describe import blocks
+    from clerestory.system.product import product_of
 
     bsdf = read(file, show_warnings=False)
     with about(file):
+        product = product_of(bsdf)
         parts = blocks(bsdf)
         direct = [_direct_hemispherical(bsdf, block) for block in parts]
         cut_offs = [_cut_off(bsdf, block) for block in parts]
@@ -40,6 +43,7 @@ def info(file: FileArgument, *, as_json: JsonOption = False) -> None:
                 "format": _format(file),
                 "bands": bsdf.bands,
                 "metadata": asdict(bsdf.metadata),
+                "product": product,
                 "components": [
                     {
                         **asdict(block),
@@ -53,7 +57,7 @@ def info(file: FileArgument, *, as_json: JsonOption = False) -> None:
         )
         return
     say(f"{file}: {_format(file)}")
-    for line in _about_sample(bsdf.metadata):
+    for line in _about_sample(bsdf.metadata) + ([] if product is None else _about_product(product)):
         say(f"  {line}")
     say("\nComponents (side is that of the incident light)")
     say(table(["band", "side", "scatter", "model"], [[b.band, b.side, b.scatter, b.words] for b in parts], left=4))
@@ -130,6 +134,23 @@ def _about_sample(metadata: Metadata) -> list[str]:
         "comment": " ".join(metadata.comments[0].split())[:100] if metadata.comments else None,
     }
     return [f"{name}: {text}" for name, text in texts.items() if text]
+
+
+def _about_product(product: ProductData) -> list[str]:
+    """What the file says of the product in its own element, a line each."""
+    lines = [f"layer or gap {c['number']}: {c['kind']}, {c.get('name', 'no name')}" for c in product.components]
+    if product.parameter is not None:
+        lines.append(f"state: {product.parameter} {product.value:g}")
+    if product.heat is not None:
+        heat = product.heat
+        lines.append(f"U {heat.u:.2f} W/(m² K), g {heat.shgc:.3f}, for diffuse light {heat.shgc_diffuse:.3f}")
+    if product.curve is not None:
+        lines.append(f"control curve: {len(product.curve.profile_deg)} profile angles")
+    if product.orientation is not None:
+        place = product.orientation
+        azimuth = "any azimuth" if place.azimuth_deg is None else f"azimuth {place.azimuth_deg:g}°"
+        lines.append(f"to be placed: {place.mounting}, {azimuth} within {place.within_deg:g}°")
+    return lines
 
 
 def _millimetres(metres: float | None) -> str | None:

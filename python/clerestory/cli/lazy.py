@@ -34,7 +34,7 @@ def group_of(package: str, names: Sequence[str]) -> type[TyperGroup]:
 
         def resolve_command(self, ctx: Any, args: list[str]) -> Any:  # noqa: ANN401 (typer's)
             name, command, rest = super().resolve_command(ctx, args)
-            return name, loaded(package, name) if name in names else command, rest
+            return name, loaded(package, name) if name is not None and name in names else command, rest
 
     return Commands
 

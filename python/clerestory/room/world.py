@@ -349,7 +349,7 @@ class Room:
         # A matrix is read off where another model would be sampled.
         even = Bsdf.from_models({("exterior", "transmission"): Model.lambertian(1.0)}).to_matrix("klems-quarter")
         openings = self.windows + (self.ports if ports else [])
-        windows = [(w.name, w.corners.tolist(), even._core, [None] * 3, list(w.up)) for w in openings]
+        windows = [(w.name, w.corners.tolist(), even._core, Placed(even).bands, list(w.up)) for w in openings]
         return self._room(windows, [], Sky.uniform())
 
     def _grid(self, sensors: keys.Sensors, key: str) -> NDArray[np.float64]:

@@ -119,7 +119,7 @@ def _of_text(found: igdb_dat.Spectra, name: str) -> dict[str, Any]:
     }
 
 
-def _of_product(product: dict[str, Any], name: str) -> dict[str, Any]:
+def _of_product(product: dict[str, object], name: str) -> dict[str, Any]:
     """A product of the IGSDB, as `clerestory.measure.formats.product_json` reads it, of version 1 or 2."""
     kind = str(product.get("type") or "").lower()
     if kind not in ("glazing", "material", "film", ""):
@@ -133,7 +133,8 @@ def _of_product(product: dict[str, Any], name: str) -> dict[str, Any]:
         warnings.append("the file says that it scatters; it is taken as clear")
     title = str(product.get("name") or name)
     rows = _along_normal(product, title, "direct" if second else "hemispherical", warnings)
-    if any("pv" in row for block in product_json.angle_blocks(product) for row in block.get("wavelength_data") or []):
+    listed = (block.get("wavelength_data") for block in product_json.angle_blocks(product))
+    if any(isinstance(found, list) and any("pv" in row for row in found) for found in listed):
         warnings.append("what it turns into electricity counts as absorbed")
     prefix = "predefined_" if second else ""
     thickness = _maybe(held.get("thickness"))
@@ -154,7 +155,7 @@ def _of_product(product: dict[str, Any], name: str) -> dict[str, Any]:
     }
 
 
-def _along_normal(product: dict[str, Any], title: str, part: Collected, warnings: list[str]) -> np.ndarray:
+def _along_normal(product: dict[str, object], title: str, part: Collected, warnings: list[str]) -> np.ndarray:
     """Wavelength [nm], transmittance, reflectance of front and back (n, 4) along the normal."""
     spectra = next((found for theta, found in product_json.by_angle(product, title) if theta == 0.0 and found), None)
     if spectra is None:

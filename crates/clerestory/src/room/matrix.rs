@@ -67,30 +67,15 @@ pub struct Paths {
 
 impl Room {
     /// Irradiance at sensors (rows) by the radiance of the windows' patches (columns, group by group) [sr]. Direct is what comes from a window
-    /// and has met no more than so many surfaces.
-    pub fn view_matrix(
-        &self,
-        sensors: &[Sensor],
-        groups: &Groups,
-        direct_meetings: u16,
-        paths: Paths,
-        progress: &Progress,
-    ) -> Result<Rows> {
+    /// and meets no surface.
+    pub fn view_matrix(&self, sensors: &[Sensor], groups: &Groups, paths: Paths, progress: &Progress) -> Result<Rows> {
         check_sensors(sensors)?;
         let targets = self.receivers(groups)?;
         let launch = |row: usize, tracer: &mut Tracer<'_>, draws: Draws| {
             let normal = sensors[row].normal.unit();
             tracer.sense(sensors[row].point + normal * LIFT, normal, draws);
         };
-        self.rows(
-            sensors.len(),
-            PI,
-            targets,
-            [0, direct_meetings],
-            paths,
-            progress,
-            launch,
-        )
+        self.rows(sensors.len(), PI, targets, [0, 0], paths, progress, launch)
     }
 
     /// Radiance of the surfaces in pixels (rows, row by row from the top left) by the radiance of the windows' patches. Direct is

@@ -20,7 +20,7 @@ from clerestory.cli.common import (
     say,
     table,
 )
-from clerestory.cli.measure.inputs import contents_of, measurement_of
+from clerestory.cli.measure.inputs import contents_of, measurement_of, refuse_to_write_over
 from clerestory.cli.measure.keeping import KeepOption, Kept, Made, NoteOption, keep, stem_of
 from clerestory.cli.measure.options import DatabaseOption, DateOption, LaboratoryOption, SampleOption
 
@@ -117,6 +117,8 @@ def calibrate(
             f"{data}: scans are scaled by all, scattered or peak, without --reciprocal (fit a model first)"
         )
     form = one_of(format_, "--format", tuple(writable_formats()))
+    if output is not None:
+        refuse_to_write_over(output, [data])
     measurement = measurement_of([data], db, sample, {}, laboratory=laboratory, date=date)
     _scans(measurement, values, output, part, weighed, picture, form, keeping, as_json=as_json)
 

@@ -42,7 +42,8 @@ def check(
     from clerestory.measure.check import check_contents
     from clerestory.measure.given import contents_given
 
-    contents = contents_given(words, database=db, **choices_of(side, scatter, convention, column))
+    choices = choices_of(side, scatter, convention, column)
+    contents = contents_given(words, database=db, **choices)  # type: ignore[arg-type]  # what files do not say
     results = check_contents(contents)
     held = {m.sample: m for m in contents.measurements}
     if as_json:

@@ -68,11 +68,12 @@ def export(
         raise UsageError("--format xml: models are not chosen by --laboratory, --date or --incident (leave them out)")
     direction = incident_of(incident)
     kind, _, number = (sample or "").partition(":")
+    notes: list[str] = []
     with open_database(db) as database:
         if kind in ("model", "report") and number.isdigit():
             if (laboratory, date, incident) != (None, None, None):
                 raise UsageError(f"{sample}: --laboratory, --date and --incident choose scans (leave them out)")
-            paths, notes = _kept(database, kind, int(number), output), []
+            paths = _kept(database, kind, int(number), output)
         elif chosen == _MODELS:
             if sample is not None:
                 database.sample(sample)

@@ -174,7 +174,7 @@ def fit(
         from clerestory.measure.interpolant.report import write_report
 
         write_report(report, made, measurement)
-    settings = {
+    settings: dict[str, object] = {
         "method": made.method,
         "symmetry": symmetry,
         "channels": channel,

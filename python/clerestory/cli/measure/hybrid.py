@@ -121,6 +121,7 @@ def hybrid(
     Example: clerestory measure hybrid scans/ --with traced.xml -o hybrid.xml --picture hybrid.png
     """
     from clerestory.measure.hybrid import SCALES, joined
+    from clerestory.measure.hybrid.tables import table
     from clerestory.measure.interpolant import METHODS
     from clerestory.measure.prepare.symmetry import SYMMETRIES
 
@@ -131,6 +132,9 @@ def hybrid(
         raise UsageError(f"{output}: the name does not tell the format (end it with {', '.join(_MODELS)})")
     if picture is not None and picture.suffix.lower() not in (".png", ".pdf", ".svg"):
         raise UsageError(f"--picture {picture}: not a kind of picture (give .png, .pdf or .svg)")
+    if not 0.0 < blend <= 45.0:
+        raise UsageError(f"--blend {blend:g}: not possible (give more than 0 and at most 45°)")
+    table(basis, resolution, cull)  # what is no basis is refused before the long work
     words = words_of(inputs, sample)
     for out in filter(None, (output, picture)):
         refuse_overwriting(out, [simulated, *(Path(text) for text in words)])

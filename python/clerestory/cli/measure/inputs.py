@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from clerestory.cli.common import UsageError, note
+from clerestory.cli.common import UsageError, note, refuse_overwriting
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,6 +20,12 @@ def words_of(words: Sequence[str] | None, sample: str | None) -> list[str]:
     if sample is None:
         raise UsageError("nothing to read (give files or folders, or --sample NAME of the database)")
     return [sample]
+
+
+def refuse_to_write_over(output: Path, words: Sequence[str]) -> None:
+    """Fail if files of scans would come where those that are read lie: what was measured stays as it is."""
+    paths = [path for path in map(Path, words) if path.exists()]
+    refuse_overwriting(output, [*paths, *(path.parent for path in paths if path.is_file())])
 
 
 def contents_of(

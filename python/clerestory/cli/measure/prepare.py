@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, cast
 import typer
 
 from clerestory.cli.common import JsonOption, UsageError, note, one_of, plain, print_json, say, write_whole
-from clerestory.cli.measure.inputs import measurement_of, words_of
+from clerestory.cli.measure.inputs import measurement_of, refuse_to_write_over, words_of
 from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep
 from clerestory.cli.measure.options import (
     ColumnOption,
@@ -115,6 +115,7 @@ def prepare(
     chosen = next(name for name in levels if name == one_of(level, "--level", levels))
     limit: float | Literal["auto"] = "auto" if grazing == "auto" else _number(grazing, "--grazing")
     words = words_of(inputs, sample)
+    refuse_to_write_over(output, words)
     choices = choices_of(side, scatter, convention, column)
     if preset is not None and "convention" in choices:
         raise UsageError("--preset and --convention NAME say the same of angles twice (leave one out)")

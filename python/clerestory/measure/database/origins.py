@@ -49,7 +49,8 @@ class Origins(Writing):
             return _product(connection, sha256, {})
 
     def _place(self, connection: Connection, found: _Found, table: Table, item: Scan | SphereValues, mark: str) -> None:
-        rows = list(connection.execute(_numbered(table).where(table.c.mark == mark)))
+        marked = _numbered(table).where(table.c.mark == mark)
+        rows: list[tuple[int, str]] = [(row[0], row[1]) for row in connection.execute(marked)]
         if not rows and item.source is not None:
             parent = _product(connection, item.source.sha256, found.products)
             if parent is not None:

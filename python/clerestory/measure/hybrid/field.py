@@ -41,7 +41,7 @@ def smooth(share: Floats) -> Floats:
     return np.asarray(t * t * (3.0 - 2.0 * t))
 
 
-def at(field: Floats, directions: Floats) -> Floats:
+def at(field: Floats | Field, directions: Floats) -> Floats:
     """A field on the nodes at directions (n, 3)."""
     place = directions[:, :2] / np.sqrt(np.maximum(1.0 + directions[:, 2:], 1e-12))
     row = 0.5 * (place + 1.0) * (NODES - 1)

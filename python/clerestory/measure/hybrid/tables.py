@@ -26,9 +26,8 @@ if TYPE_CHECKING:
 
 _ACROSS = 4
 """Directions along each side of a patch over which the share of what was measured is averaged."""
-_MOST_RESOLUTION = 7
-_FREE = 8
-"""Trees take a whole grid first: 2^7 cells an axis of four make 1 GB, 2^8 of three 67 MB."""
+_MOST = {"tensor3": 8, "tensor4": 7}
+"""Resolutions: trees begin as a whole grid, and 2^7 cells on each of four axes make 1 GB."""
 
 
 class Table(Protocol):
@@ -62,9 +61,10 @@ def table(basis: str, resolution: int, reduce: float | None) -> Table:
     """
     if basis not in ("tensor3", "tensor4"):
         return Patches(Basis.named(basis))
-    most = _MOST_RESOLUTION if basis == "tensor4" else _FREE
-    if not 1 <= resolution <= most:
-        raise ClerestoryError(f"resolution {resolution} is not possible for a hybrid {basis} (give 1 to {most})")
+    if not 1 <= resolution <= _MOST[basis]:
+        raise ClerestoryError(
+            f"resolution {resolution} is not possible for a hybrid {basis} (give 1 to {_MOST[basis]})"
+        )
     return Cells("tensor3" if basis == "tensor3" else "tensor4", resolution, reduce)
 
 
@@ -84,9 +84,7 @@ class Patches:
 
     def column(self, bsdf: Bsdf, band: str, side: Side, scatter: Scatter, k: int) -> Floats:
         """BSDF [1/sr] of a patch (rows,)."""
-        if k == 0:
-            self._values = np.maximum(bsdf.models[band][side, scatter].values, 0.0)
-        return self._values[:, k]
+        return np.asarray(np.maximum(bsdf.models[band][side, scatter].values[:, k], 0.0))
 
     def weights(self, reach: Reach, side: Side, scatter: Scatter, k: int, blend_deg: float) -> tuple[Floats, float]:
         """Means over the patches."""

@@ -11,7 +11,7 @@ from clerestory.trace.kinds import AnySample
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from clerestory.trace.kinds import Kind
+    from clerestory.trace.kinds.common import Kind
 
 Place = tuple[str | int, ...]
 """Keys of tables and numbers of lists, from the outermost."""
@@ -59,17 +59,17 @@ def get(tables: dict[str, Any], place: Place) -> Any:  # noqa: ANN401 (what TOML
 
 def put(tables: dict[str, Any], place: Place, value: float) -> dict[str, Any]:
     """The tables with another value at a place; what is not changed is shared."""
-    return _put(tables, place, value)
+    made: dict[str, Any] = _put(tables, place, value)
+    return made
 
 
 def _put(held: Any, place: Place, value: float) -> Any:  # noqa: ANN401
     if not place:
         return value
     step, *rest = place
-    made = list(held) if isinstance(held, list) else dict(held or {})
-    inner = made[step] if isinstance(held, list) else made.get(step)
-    made[step] = _put(inner, tuple(rest), value)
-    return made
+    if isinstance(step, int):
+        return [_put(member, tuple(rest), value) if k == step else member for k, member in enumerate(held)]
+    return {**held, step: _put(held.get(step), tuple(rest), value)}
 
 
 def words(place: Place) -> str:

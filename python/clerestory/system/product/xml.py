@@ -18,7 +18,7 @@ optional:
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from clerestory._core import FileFormatError
 from clerestory.bsdf import Bsdf
@@ -123,11 +123,8 @@ def _read(children: list[_Element]) -> ProductData:
             found |= {"parameter": held.get("parameter"), "value": _number(text, name)}
         elif name == "Heat":
             values = {key: _number(t, f"Heat/{key}") for key, _, t, _ in inner}
-            found["heat"] = Heat(
-                *(_needed(values, key, name) for key in ("U", "SHGC", "SHGCDiffuse")),
-                held.get("winter", ""),
-                held.get("summer", ""),
-            )
+            u, shgc, diffuse = (_needed(values, key, name) for key in ("U", "SHGC", "SHGCDiffuse"))
+            found["heat"] = Heat(u, shgc, diffuse, held.get("winter", ""), held.get("summer", ""))
         elif name == "Orientation":
             found["orientation"] = _orientation(held, inner)
         elif name == "ControlCurve":
@@ -138,17 +135,18 @@ def _read(children: list[_Element]) -> ProductData:
 
 
 def _orientation(held: dict[str, str], inner: list[_Element]) -> Orientation:
-    mounting = held.get("mounting")
+    known: dict[str, Literal["facade", "roof"]] = {"facade": "facade", "roof": "roof"}
+    mounting = known.get(held.get("mounting", ""))
+    if mounting is None:
+        raise _damaged("Orientation", f"mounting {held.get('mounting')!r} is not known (give facade or roof)")
     texts = {key: text for key, _, text, _ in inner}
-    if mounting == "roof" or mounting == "facade":
-        tilt = _numbers(texts["Tilt"], 2, "Orientation/Tilt") if "Tilt" in texts else None
-        return Orientation(
-            mounting,
-            _number(texts["Azimuth"], "Orientation/Azimuth") if "Azimuth" in texts else None,
-            _number(texts.get("Within", "0"), "Orientation/Within"),
-            None if tilt is None else (tilt[0], tilt[1]),
-        )
-    raise _damaged("Orientation", f"mounting {mounting!r} is not known (give facade or roof)")
+    tilt = _numbers(texts["Tilt"], 2, "Orientation/Tilt") if "Tilt" in texts else None
+    return Orientation(
+        mounting,
+        _number(texts["Azimuth"], "Orientation/Azimuth") if "Azimuth" in texts else None,
+        _number(texts.get("Within", "0"), "Orientation/Within"),
+        None if tilt is None else (tilt[0], tilt[1]),
+    )
 
 
 def _curve(inner: list[_Element]) -> Curve:

@@ -41,7 +41,7 @@ pub fn clusters(distribution: &Distribution) -> Vec<Cluster> {
         let mut highest: Option<usize> = None;
         let mut neighbours = Vec::new();
         for &j in &done {
-            let reach = 0.36 * (radius[i] + radius[j]);
+            let reach = 0.4 * (radius[i] + radius[j]);
             if chord2(at[i], at[j]) < reach * reach {
                 let summit = top(&mut parent, j);
                 neighbours.push(summit);

@@ -1,11 +1,13 @@
 //! From scattered points to lobes.
 //!
-//! The hemisphere is divided, in a square of equal solid angles, where points are many and do not lie on a plane within their
-//! noise. Each cell is the place of a lobe; the amplitudes, 0 or more, are those of least squares, weighed by noise. So neither
-//! the points' density nor a cell's centre of gravity biases the result, and negative readings pull as much as positive ones.
+//! The hemisphere is divided in a square of equal solid angles. Each cell is the place of a lobe; the amplitudes, 0 or more, are
+//! those of least squares, weighed by noise. Cells whose points the lobes miss are divided and all amplitudes found anew, until
+//! the points are met or are too few to tell more. So neither the points' density nor a cell's centre of gravity biases the
+//! result, negative readings pull as much as positive ones, and there are no more lobes than the light has detail.
 
 use super::distribution::{CELLS, Distribution, WORDS, cell_middle, cell_of, chord2, from_square, to_square};
 use super::lobe::{Lobe, Vector, kernel, unit_flux, vector};
+use super::state::box_about;
 use crate::direction::Disk;
 use crate::error::{Error, Result};
 
@@ -13,11 +15,9 @@ use crate::error::{Error, Result};
 const FIRST: u32 = 3;
 const LAST: u32 = 9;
 /// Radius of a lobe in widths of its cell.
-const OVERLAP: f64 = 2.3;
+const OVERLAP: f64 = 2.1;
 /// Share of a value that lobes need not resolve.
 const TOLERANCE: f64 = 0.02;
-/// Sweeps over all amplitudes.
-const SWEEPS: usize = 40;
 /// Points about a place that was not measured from which it is guessed.
 const NEIGHBOURS: usize = 6;
 /// Cells an axis in which places without points are looked for.
@@ -42,10 +42,16 @@ struct Point {
     error: f64,
 }
 
+/// A part of the square and its lobe.
 struct Cell {
+    level: u32,
     corner: [f64; 2],
-    width: f64,
     points: Vec<u32>,
+    centre: Disk,
+    radius2: f64,
+    amplitude: f64,
+    /// What the lobe of amplitude 1 is at the points that it reaches.
+    column: Vec<(u32, f64)>,
 }
 
 /// Lobes of measured points.
@@ -84,8 +90,7 @@ pub fn fit(incident: Disk, points: &Points<'_>) -> Result<Distribution> {
     for point in &mut all {
         point.value -= floor;
     }
-    let cells = divide(&all);
-    distribution.lobes = amplitudes(&all, &cells, floor);
+    distribution.lobes = lobes(&all, floor);
     Ok(distribution)
 }
 
@@ -181,137 +186,61 @@ fn guess(points: &mut Vec<Point>, known: &Distribution) {
     }
 }
 
-/// Cells of the square, finer where the points ask for it.
-fn divide(points: &[Point]) -> Vec<Cell> {
-    let n = 1_usize << FIRST;
-    let width = 1.0 / n as f64;
-    let mut first: Vec<Cell> = (0..n * n)
-        .map(|k| Cell {
-            corner: [(k % n) as f64 * width, (k / n) as f64 * width],
-            width,
-            points: Vec::new(),
+/// Lobes that meet the points.
+fn lobes(points: &[Point], floor: f64) -> Vec<Lobe> {
+    const LEAST_SHARE: f64 = 1e-7;
+    let weights = weights(points, floor);
+    let buckets = Buckets::new(points);
+    let mut cells = first_cells(points, &buckets);
+    loop {
+        let rest = solve(points, &weights, &mut cells);
+        let before = cells.len();
+        divide(points, &weights, &rest, &buckets, &mut cells);
+        if cells.len() == before {
+            break;
+        }
+    }
+    let lobes: Vec<Lobe> = cells
+        .iter()
+        .map(|cell| Lobe {
+            centre: cell.centre,
+            radius2: cell.radius2,
+            flux: cell.amplitude * unit_flux(cell.centre, cell.radius2),
         })
         .collect();
-    for (k, point) in points.iter().enumerate() {
-        let [x, y] = point.square.map(|c| (c * n as f64) as usize);
-        first[y * n + x].points.push(k as u32);
-    }
-    let mut done = Vec::new();
-    let mut open: Vec<(u32, bool, Cell)> = first.into_iter().map(|cell| (FIRST, false, cell)).collect();
-    while let Some((level, steep, cell)) = open.pop() {
-        // Below cells of several points that are far from a plane there is one more level, of a point a cell.
-        let enough = cell.points.len() >= LEAST;
-        let chi2 = if enough { unevenness(points, &cell) } else { 0.0 };
-        let split = if enough {
-            chi2 > UNEVEN
-        } else {
-            steep && cell.points.len() > 1
-        };
-        if level >= LAST || !split {
-            done.push(cell);
-            continue;
-        }
-        let half = 0.5 * cell.width;
-        let mut quarters: [Cell; 4] = std::array::from_fn(|k| Cell {
-            corner: [
-                cell.corner[0] + half * (k % 2) as f64,
-                cell.corner[1] + half * (k / 2) as f64,
-            ],
-            width: half,
-            points: Vec::new(),
-        });
-        for &k in &cell.points {
-            let square = points[k as usize].square;
-            let x = usize::from(square[0] >= cell.corner[0] + half);
-            let y = usize::from(square[1] >= cell.corner[1] + half);
-            quarters[2 * y + x].points.push(k);
-        }
-        if enough && quarters.iter().filter(|q| q.points.is_empty()).count() > 1 && chi2 < STEEP {
-            done.push(cell);
-            continue;
-        }
-        open.extend(
-            quarters
-                .into_iter()
-                .map(|quarter| (level + 1, enough && chi2 > STEEP, quarter)),
-        );
-    }
-    done
+    let total: f64 = lobes.iter().map(|l| l.flux).sum::<f64>() + std::f64::consts::PI * floor;
+    lobes.into_iter().filter(|l| l.flux > LEAST_SHARE * total).collect()
 }
 
-/// Points that a cell needs to be tested.
-const LEAST: usize = 4;
-/// Limits of the unevenness of a cell that is divided, and of one that is divided to single points.
-const UNEVEN: f64 = 2.5;
-const STEEP: f64 = 12.0;
-
-/// How far the points of a cell lie from a plane: mean square over noise and tolerance.
-fn unevenness(points: &[Point], cell: &Cell) -> f64 {
-    let n = cell.points.len();
-    let mean = cell.points.iter().map(|&k| points[k as usize].value).sum::<f64>() / n as f64;
-    // Normal equations of a plane about the middle of the points.
-    let mut middle = [0.0; 2];
-    for &k in &cell.points {
-        let s = points[k as usize].square;
-        middle[0] += s[0] / n as f64;
-        middle[1] += s[1] / n as f64;
-    }
-    let (mut xx, mut xy, mut yy, mut xv, mut yv) = (1e-12, 0.0, 1e-12, 0.0, 0.0);
-    for &k in &cell.points {
-        let p = &points[k as usize];
-        let (x, y, v) = (p.square[0] - middle[0], p.square[1] - middle[1], p.value - mean);
-        xx += x * x;
-        xy += x * y;
-        yy += y * y;
-        xv += x * v;
-        yv += y * v;
-    }
-    let det = xx * yy - xy * xy;
-    let (a, b) = if n > LEAST && det > 1e-6 * xx * yy {
-        ((xv * yy - yv * xy) / det, (yv * xx - xv * xy) / det)
-    } else {
-        (0.0, 0.0)
-    };
-    let freedom = (n as f64 - if n > LEAST { 3.0 } else { 1.0 }).max(1.0);
-    let chi2: f64 = cell
-        .points
+/// 1 / variance of what lobes need to meet: noise, and a share of the level about a point. What lies beside something bright is
+/// not known better than that is resolved.
+fn weights(points: &[Point], floor: f64) -> Vec<f64> {
+    const NEAR: usize = 64;
+    const BESIDE: f64 = 0.1;
+    const AMONG: f64 = 0.5;
+    let (near, coarse) = (means(points, NEAR), means(points, CELLS));
+    let about = |k: usize| k.saturating_sub(1)..(k + 2).min(NEAR);
+    points
         .iter()
-        .map(|&k| {
-            let p = &points[k as usize];
-            let (x, y) = (p.square[0] - middle[0], p.square[1] - middle[1]);
-            let miss = p.value - mean - a * x - b * y;
-            miss * miss / (p.error.powi(2) + (TOLERANCE * mean).powi(2) + f64::MIN_POSITIVE)
+        .map(|p| {
+            let [x, y] = p.square.map(|c| (c * NEAR as f64) as usize);
+            let beside = about(y)
+                .flat_map(|row| near[row * NEAR..][about(x)].iter().copied())
+                .fold(0.0, f64::max);
+            let [u, v] = p.square.map(|c| (c * CELLS as f64) as usize);
+            let among = AMONG * coarse[v * CELLS + u];
+            let level = floor + near[y * NEAR + x].max(among).max(BESIDE * beside);
+            1.0 / (p.error * p.error + (TOLERANCE * level).powi(2) + f64::MIN_POSITIVE)
         })
-        .sum();
-    chi2 / freedom
+        .collect()
 }
 
-/// Value in the middle of a cell without points, by the nearest ones.
-fn near(points: &[Point], cell: &Cell) -> f64 {
-    let middle = vector(from_square(cell.corner.map(|c| c + 0.5 * cell.width)));
-    let mut nearest = [(f64::INFINITY, 0.0); NEIGHBOURS];
+/// Mean values of cells, without values below 0; 0 where there are no points.
+fn means(points: &[Point], cells: usize) -> Vec<f64> {
+    let mut sums = vec![[0.0; 2]; cells * cells];
     for point in points {
-        let distance2 = chord2(middle, point.at);
-        if distance2 < nearest[NEIGHBOURS - 1].0 {
-            let place = nearest.partition_point(|n| n.0 < distance2);
-            nearest[place..].rotate_right(1);
-            nearest[place] = (distance2, point.value);
-        }
-    }
-    let known = nearest.iter().filter(|n| n.0.is_finite());
-    let (sum, weight) = known.fold((0.0, 0.0), |(sum, weight), &(distance2, value)| {
-        let w = 1.0 / (distance2 + 1e-9);
-        (sum + w * value, weight + w)
-    });
-    sum / weight
-}
-
-/// Means over cells of 9°, without those below 0.
-fn coarse_means(points: &[Point]) -> Vec<f64> {
-    let mut sums = vec![[0.0; 2]; CELLS * CELLS];
-    for point in points {
-        let [x, y] = point.square.map(|c| (c * CELLS as f64) as usize);
-        let sum = &mut sums[y * CELLS + x];
+        let [x, y] = point.square.map(|c| (c * cells as f64) as usize);
+        let sum = &mut sums[y * cells + x];
         sum[0] += point.value.max(0.0);
         sum[1] += 1.0;
     }
@@ -320,97 +249,165 @@ fn coarse_means(points: &[Point]) -> Vec<f64> {
         .collect()
 }
 
-/// Amplitudes of 0 or more by least squares, coordinate after coordinate; where points say little they stay near the mean of
-/// their cell.
-fn amplitudes(points: &[Point], cells: &[Cell], floor: f64) -> Vec<Lobe> {
-    const RIDGE: f64 = 0.003;
-    const LEAST_SHARE: f64 = 1e-7;
-    const BESIDE: f64 = 0.5;
-    let coarse = coarse_means(points);
-    let brightness = |square: [f64; 2]| {
-        let [x, y] = square.map(|c| (c * CELLS as f64) as usize);
-        coarse[y * CELLS + x]
-    };
-    let mut weights = vec![0.0; points.len()];
-    let mut start = vec![0.0; cells.len()];
-    for (cell, start) in cells.iter().zip(&mut start) {
-        let mean = if cell.points.is_empty() {
-            near(points, cell)
-        } else {
-            cell.points.iter().map(|&k| points[k as usize].value).sum::<f64>() / cell.points.len() as f64
-        };
-        // So many lobes lie over each other.
-        *start = mean.max(0.0) / (0.25 * std::f64::consts::PI * OVERLAP * OVERLAP);
-        for &k in &cell.points {
-            let error = points[k as usize].error;
-            // What lies beside something bright is not known better than that is resolved.
-            let level = floor + mean.abs().max(BESIDE * brightness(points[k as usize].square));
-            weights[k as usize] = 1.0 / (error * error + (TOLERANCE * level).powi(2) + f64::MIN_POSITIVE);
+/// Points by place.
+struct Buckets<'a> {
+    points: &'a [Point],
+    numbers: Vec<Vec<u32>>,
+}
+
+impl<'a> Buckets<'a> {
+    fn new(points: &'a [Point]) -> Self {
+        let mut numbers = vec![Vec::new(); FINE * FINE];
+        for (k, point) in points.iter().enumerate() {
+            let [x, y] = point.square.map(|c| (c * FINE as f64) as usize);
+            numbers[y * FINE + x].push(k as u32);
+        }
+        Self { points, numbers }
+    }
+
+    /// The points that a lobe reaches, and what it is there.
+    fn column(&self, centre: Vector, radius2: f64) -> Vec<(u32, f64)> {
+        let [x, y] = box_about(centre, radius2.sqrt(), FINE);
+        let mut column = Vec::new();
+        for row in y.0..y.1 {
+            for &k in self.numbers[row * FINE + x.0..row * FINE + x.1].iter().flatten() {
+                let at = self.points[k as usize].at;
+                let below = [at[0], at[1], -at[2]];
+                let v = kernel(chord2(centre, at) / radius2) + kernel(chord2(centre, below) / radius2);
+                if v > 0.0 {
+                    column.push((k, v));
+                }
+            }
+        }
+        column
+    }
+}
+
+impl Cell {
+    fn new(level: u32, corner: [f64; 2], points: Vec<u32>, amplitude: f64, buckets: &Buckets<'_>) -> Self {
+        let width = width(level);
+        let centre = from_square(corner.map(|c| c + 0.5 * width));
+        let radius = OVERLAP * width * std::f64::consts::TAU.sqrt();
+        let radius2 = radius * radius;
+        Self {
+            level,
+            corner,
+            points,
+            centre,
+            radius2,
+            amplitude,
+            column: buckets.column(vector(centre), radius2),
         }
     }
-    let places: Vec<(Disk, f64)> = cells
+}
+
+fn width(level: u32) -> f64 {
+    1.0 / f64::from(1_u32 << level)
+}
+
+fn first_cells(points: &[Point], buckets: &Buckets<'_>) -> Vec<Cell> {
+    let n = 1_usize << FIRST;
+    let mut own = vec![Vec::new(); n * n];
+    for (k, point) in points.iter().enumerate() {
+        let [x, y] = point.square.map(|c| (c * n as f64) as usize);
+        own[y * n + x].push(k as u32);
+    }
+    let cell = |(k, own): (usize, Vec<u32>)| {
+        let mean = own.iter().map(|&k| points[k as usize].value).sum::<f64>() / own.len().max(1) as f64;
+        // So many lobes lie over each other.
+        let amplitude = mean.max(0.0) / (0.25 * std::f64::consts::PI * OVERLAP * OVERLAP);
+        let corner = [k % n, k / n].map(|c| c as f64 * width(FIRST));
+        Cell::new(FIRST, corner, own, amplitude, buckets)
+    };
+    own.into_iter().enumerate().map(cell).collect()
+}
+
+/// Adds quarters to cells whose points are missed, if there are enough points about to tell where.
+fn divide(points: &[Point], weights: &[f64], rest: &[f64], buckets: &Buckets<'_>, cells: &mut Vec<Cell>) {
+    /// Mean square over what is allowed; noise alone comes to 1.
+    const MISSED: f64 = 1.5;
+    const LEAST: usize = 14;
+    for k in 0..cells.len() {
+        let cell = &mut cells[k];
+        let miss = |&k: &u32| weights[k as usize] * rest[k as usize].powi(2);
+        let chi2 = cell.points.iter().map(miss).sum::<f64>() / cell.points.len().max(1) as f64;
+        if cell.level == LAST || chi2 < MISSED || cell.column.len() < LEAST {
+            continue;
+        }
+        let (level, half, corner) = (cell.level + 1, width(cell.level + 1), cell.corner);
+        let mut own: [Vec<u32>; 4] = Default::default();
+        for k in std::mem::take(&mut cell.points) {
+            let square = points[k as usize].square;
+            let x = usize::from(square[0] >= corner[0] + half);
+            let y = usize::from(square[1] >= corner[1] + half);
+            own[2 * y + x].push(k);
+        }
+        for (k, own) in own.into_iter().enumerate() {
+            let corner = [corner[0] + half * (k % 2) as f64, corner[1] + half * (k / 2) as f64];
+            cells.push(Cell::new(level, corner, own, 0.0, buckets));
+        }
+    }
+}
+
+/// Amplitudes of 0 or more by least squares, coordinate after coordinate, and what they leave of the points' values. Where points
+/// say little a lobe is like its neighbours.
+fn solve(points: &[Point], weights: &[f64], cells: &mut [Cell]) -> Vec<f64> {
+    const SWEEPS: usize = 60;
+    const ASKED: usize = 4;
+    const STILL: f64 = 1e-4;
+    const BEYOND: f64 = 1.6;
+    const RIDGE: f64 = 0.002;
+    let mut rest: Vec<f64> = points.iter().map(|p| p.value).collect();
+    for cell in &*cells {
+        for &(k, v) in &cell.column {
+            rest[k as usize] -= v * cell.amplitude;
+        }
+    }
+    // Curvature, and the strength of the tie to the neighbours: as that of a lobe with a point of the mean weight about it.
+    let stiffness: Vec<(f64, f64)> = cells
         .iter()
         .map(|cell| {
-            let middle = cell.corner.map(|c| c + 0.5 * cell.width);
-            let radius = OVERLAP * cell.width * std::f64::consts::TAU.sqrt();
-            (from_square(middle), radius * radius)
+            let (mut curvature, mut weighed, mut sum) = (0.0, 0.0, 0.0);
+            for &(k, v) in &cell.column {
+                let weight = weights[k as usize];
+                curvature += weight * v * v;
+                weighed += weight * v;
+                sum += v;
+            }
+            let mean = if sum > 0.0 { weighed / sum } else { 0.0 };
+            (curvature, RIDGE * curvature.max(mean))
         })
         .collect();
-    let columns: Vec<Vec<(u32, f64)>> = places
-        .iter()
-        .map(|&(centre, radius2)| {
-            let c = vector(centre);
-            let value = |(k, p): (usize, &Point)| {
-                let below = [p.at[0], p.at[1], -p.at[2]];
-                let v = kernel(chord2(c, p.at) / radius2) + kernel(chord2(c, below) / radius2);
-                (v > 0.0).then_some((k as u32, v))
-            };
-            points.iter().enumerate().filter_map(value).collect()
-        })
-        .collect();
-    let mut amplitudes = start.clone();
-    let mut rest: Vec<f64> = points.iter().map(|p| p.value).collect();
-    for (column, amplitude) in columns.iter().zip(&amplitudes) {
-        for &(k, v) in column {
-            rest[k as usize] -= v * amplitude;
-        }
-    }
-    let curvature: Vec<f64> = columns
-        .iter()
-        .map(|column| column.iter().map(|&(k, v)| weights[k as usize] * v * v).sum::<f64>())
-        .collect();
-    for _ in 0..SWEEPS {
-        for (j, column) in columns.iter().enumerate() {
-            let ridge = RIDGE * curvature[j];
-            if ridge <= 0.0 {
+    for sweep in 0..SWEEPS {
+        let (mut moved, mut whole) = (0.0, 0.0);
+        for (j, &(curvature, ridge)) in stiffness.iter().enumerate() {
+            let amplitude = cells[j].amplitude;
+            // What is 0 mostly stays so: it is asked now and then.
+            if ridge <= 0.0 || (amplitude == 0.0 && sweep % ASKED > 0) {
                 continue;
             }
-            let gradient: f64 = column
+            let pull: f64 = cells[j]
+                .column
                 .iter()
                 .map(|&(k, v)| weights[k as usize] * v * rest[k as usize])
                 .sum();
-            let step = (gradient - ridge * (amplitudes[j] - start[j])) / (curvature[j] + ridge);
-            let next = (amplitudes[j] + step).max(0.0);
-            let change = next - amplitudes[j];
+            let step = (pull - ridge * amplitude) / (curvature + ridge);
+            let next = (amplitude + BEYOND * step).max(0.0);
+            let change = next - amplitude;
+            moved += change.abs() * cells[j].radius2;
+            whole += next * cells[j].radius2;
             if change != 0.0 {
-                amplitudes[j] = next;
-                for &(k, v) in column {
+                cells[j].amplitude = next;
+                for &(k, v) in &cells[j].column {
                     rest[k as usize] -= v * change;
                 }
             }
         }
+        if moved < STILL * whole {
+            break;
+        }
     }
-    let lobes: Vec<Lobe> = places
-        .iter()
-        .zip(&amplitudes)
-        .map(|(&(centre, radius2), amplitude)| Lobe {
-            centre,
-            radius2,
-            flux: amplitude * unit_flux(centre, radius2),
-        })
-        .collect();
-    let total: f64 = lobes.iter().map(|l| l.flux).sum::<f64>() + std::f64::consts::PI * floor;
-    lobes.into_iter().filter(|l| l.flux > LEAST_SHARE * total).collect()
+    rest
 }
 
 #[cfg(test)]

@@ -107,18 +107,23 @@ impl Interpolant {
     /// From distributions that are measured, completed by a symmetry.
     pub fn new(measured: &[Distribution], symmetry: Symmetry, method: Method, progress: &Progress) -> Result<Self> {
         let isotropic = symmetry == Symmetry::Isotropic;
-        let distributions = symmetry.complete(measured);
+        let (distributions, origins) = symmetry.complete(measured);
         let mesh = mesh_of(&distributions, isotropic)?;
         let edges = mesh.edges();
         let moves = if method == Method::Transport {
-            progress.expect(edges.len());
-            edges
+            // Edges that are turned into each other have one plan: a turn keeps the numbers of lobes.
+            let pair = |&(a, b): &(usize, usize)| origins[a].pair(origins[b]);
+            let chosen: BTreeMap<_, _> = edges.iter().map(|edge| (pair(edge), *edge)).collect();
+            let chosen: Vec<_> = chosen.into_iter().collect();
+            progress.expect(chosen.len());
+            let plans = chosen
                 .par_iter()
-                .map(|&(a, b)| {
+                .map(|&(pair, (a, b))| {
                     let moves = plan::plan(&distributions[a], &distributions[b]);
-                    progress.step().map(|()| moves)
+                    progress.step().map(|()| (pair, moves))
                 })
-                .collect::<Result<Vec<_>>>()?
+                .collect::<Result<BTreeMap<_, _>>>()?;
+            edges.iter().map(|edge| plans[&pair(edge)].clone()).collect()
         } else {
             Vec::new()
         };
@@ -287,7 +292,7 @@ impl Interpolant {
             .map(|(_, d)| d.clone())
             .collect();
         let incident = measured[left_out].incident;
-        let distributions = symmetry.complete(&rest);
+        let (distributions, _) = symmetry.complete(&rest);
         let isotropic = symmetry == Symmetry::Isotropic;
         let mesh = mesh_of(&distributions, isotropic)?;
         let point = if isotropic {

@@ -91,6 +91,30 @@ fn matches(a: &[Cluster], b: &[Cluster]) -> Vec<(usize, usize, f64)> {
         .collect()
 }
 
+/// Lobes of a hill that move, and those that carry next to nothing and fade in their place: to plan for them would take most of
+/// the time.
+fn split(lobes: &[Lobe], hill: &Cluster) -> (Cluster, Vec<usize>) {
+    const SLIGHT: f64 = 0.003;
+    let mut order = hill.lobes.clone();
+    order.sort_by(|&i, &j| lobes[i].flux.total_cmp(&lobes[j].flux));
+    let mut sum = 0.0;
+    let count = order
+        .iter()
+        .take_while(|&&l| {
+            sum += lobes[l].flux;
+            sum < SLIGHT * hill.flux
+        })
+        .count();
+    let rest = order.split_off(count);
+    let flux = rest.iter().map(|&l| lobes[l].flux).sum();
+    let kept = Cluster {
+        lobes: rest,
+        flux,
+        middle: hill.middle,
+    };
+    (kept, order)
+}
+
 /// Moves between the lobes of two hills that are the same.
 fn transport(
     a: &[Lobe],
@@ -101,8 +125,21 @@ fn transport(
     share_b: f64,
     moves: &mut Vec<Move>,
 ) {
+    let ((hill_a, slight_a), (hill_b, slight_b)) = (split(a, hill_a), split(b, hill_b));
+    moves.extend(slight_a.into_iter().map(|l| Move {
+        from: l as u32,
+        to: NONE,
+        before: a[l].flux * share_a,
+        after: 0.0,
+    }));
+    moves.extend(slight_b.into_iter().map(|l| Move {
+        from: NONE,
+        to: l as u32,
+        before: 0.0,
+        after: b[l].flux * share_b,
+    }));
     let fluxes = |lobes: &[Lobe], hill: &Cluster| hill.lobes.iter().map(|&l| lobes[l].flux).collect::<Vec<_>>();
-    let (fa, fb) = (fluxes(a, hill_a), fluxes(b, hill_b));
+    let (fa, fb) = (fluxes(a, &hill_a), fluxes(b, &hill_b));
     let mut costs = Vec::with_capacity(fa.len() * fb.len());
     for &i in &hill_a.lobes {
         let from = &a[i];

@@ -1,7 +1,7 @@
 //! The distribution of one incident direction, ready to be asked.
 
 use std::cell::{Cell, OnceCell};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 use super::distribution::{cell_middle, chord2, to_square};
@@ -171,11 +171,14 @@ impl State {
         })
     }
 
-    /// Where the BSDF is highest: the centre of gravity of what is above half of the maximum about it.
+    /// Where the BSDF is highest: the centre of gravity of what is above half of the maximum about it; on a crest, which may bend,
+    /// the top of a line across it.
     pub fn brightest(&self) -> Disk {
         const RINGS: usize = 24;
         const SPOKES: usize = 32;
         const STEPS: usize = 3;
+        /// Ratio of the variances along and across from which a hill is a crest.
+        const CREST: f64 = 2.0;
         let middle = |l: &Ready| Disk::new(l.at[0], l.at[1]);
         let best = self.lobes.iter().map(|l| (self.evaluate(middle(l)), l));
         let Some((_, lobe)) = best.max_by(|a, b| a.0.total_cmp(&b.0)) else {
@@ -195,12 +198,37 @@ impl State {
                 }
                 radius *= 1.2;
             }
+            // Sums of weights, of places, and of the square of what is along and across, as an angle of twice the turn.
             let (mut sum, mut x, mut y) = (0.0, 0.0, 0.0);
+            let (mut squares, mut even, mut odd) = (0.0, 0.0, 0.0);
             for k in 0..RINGS {
                 let r = 1.3 * radius * (k as f64 + 0.5) / RINGS as f64;
                 for (r, turn) in ring(r) {
                     let Some(o) = place(at, r, turn) else { continue };
                     let weight = (self.evaluate(o) - half).max(0.0) * r;
+                    sum += weight;
+                    x += weight * o.x;
+                    y += weight * o.y;
+                    let (sin, cos) = (2.0 * TAU * turn).sin_cos();
+                    squares += weight * r * r;
+                    even += weight * r * r * cos;
+                    odd += weight * r * r * sin;
+                }
+            }
+            if sum <= 0.0 {
+                break;
+            }
+            at = Disk::new(x / sum, y / sum);
+            let long = even.hypot(odd);
+            if squares + long < CREST * (squares - long) {
+                continue;
+            }
+            let across = odd.atan2(even) / (2.0 * TAU) + 0.25;
+            let (mut sum, mut x, mut y) = (0.0, 0.0, 0.0);
+            for k in 0..RINGS {
+                let r = 1.3 * radius * (k as f64 + 0.5) / RINGS as f64;
+                for o in [across, across + 0.5].into_iter().filter_map(|turn| place(at, r, turn)) {
+                    let weight = (self.evaluate(o) - half).max(0.0);
                     sum += weight;
                     x += weight * o.x;
                     y += weight * o.y;
@@ -268,7 +296,7 @@ impl State {
 }
 
 /// Range of cells, along each axis of the square of equal solid angles, that a lobe may reach.
-fn box_about(at: Vector, radius: f64, cells: usize) -> [(usize, usize); 2] {
+pub fn box_about(at: Vector, radius: f64, cells: usize) -> [(usize, usize); 2] {
     to_square(Disk::new(at[0], at[1])).map(|c| range(c, radius + 1.0 / cells as f64, cells))
 }
 
@@ -336,7 +364,15 @@ impl Raster {
                 *value += kernel((level + (z + at[2]) * (z + at[2])) * inverse);
             }
         }
-        reached.iter().sum()
+        // In lanes that the processor can add together.
+        let (lanes, rest) = reached.as_chunks::<8>();
+        let mut sums = [0.0_f32; 8];
+        for lane in lanes {
+            for (sum, value) in sums.iter_mut().zip(lane) {
+                *sum += value;
+            }
+        }
+        sums.iter().chain(rest).sum()
     }
 
     fn box_about(&self, at: Vector, radius: f64) -> [(usize, usize); 2] {

@@ -6,6 +6,21 @@ use super::SAME;
 use super::distribution::Distribution;
 use crate::bsdf::Turn;
 
+/// Which measured distribution, and which of the turns, a distribution came from.
+#[derive(Debug, Clone, Copy)]
+pub struct Origin {
+    source: usize,
+    /// Number of the turn, 0 for none. Every turn undoes itself, and two of three make the third: as bits do.
+    turn: u8,
+}
+
+impl Origin {
+    /// The pair as its first one sees it: pairs that are alike here are turned into each other.
+    pub fn pair(self, other: Self) -> (usize, usize, u8) {
+        (self.source, other.source, self.turn ^ other.turn)
+    }
+}
+
 /// How a sample looks when it is turned or mirrored in its plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Symmetry {
@@ -59,22 +74,26 @@ impl Symmetry {
     }
 
     /// Measured distributions and those that follow from them; for an isotropic sample with light that travels toward +x,
-    /// rising.
-    pub fn complete(self, measured: &[Distribution]) -> Vec<Distribution> {
+    /// rising. With each its origin; one of a chain is its own.
+    pub fn complete(self, measured: &[Distribution]) -> (Vec<Distribution>, Vec<Origin>) {
         if self == Self::Isotropic {
-            return chain(measured);
+            let all = chain(measured);
+            let origins = (0..all.len()).map(|source| Origin { source, turn: 0 }).collect();
+            return (all, origins);
         }
         let mut all = measured.to_vec();
-        for turn in self.turns() {
-            for distribution in measured {
+        let mut origins: Vec<Origin> = (0..all.len()).map(|source| Origin { source, turn: 0 }).collect();
+        for (turn, number) in self.turns().into_iter().zip(1..) {
+            for (source, distribution) in measured.iter().enumerate() {
                 let incident = turn.apply(distribution.incident);
                 let apart = |d: &Distribution| (d.incident.x - incident.x).hypot(d.incident.y - incident.y) > SAME;
                 if all.iter().all(apart) {
                     all.push(distribution.turned(turn));
+                    origins.push(Origin { source, turn: number });
                 }
             }
         }
-        all
+        (all, origins)
     }
 }
 

@@ -19,7 +19,7 @@ fn groups(windows: usize) -> Groups {
 
 fn view(room: &Room, point: Vec3, normal: Vec3) -> Rows {
     let sensors = [Sensor { point, normal }];
-    room.view_matrix(&sensors, &groups(1), 0, PATHS, &Progress::default())
+    room.view_matrix(&sensors, &groups(1), PATHS, &Progress::default())
         .expect("a matrix")
 }
 
