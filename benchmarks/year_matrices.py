@@ -92,8 +92,8 @@ the mean of both programs' long runs ({LONG[0]} paths, {LONG[1]} divisions), whi
 {table(head, lines)}
 
 Speed to equal error, by the least time × error² of each: **{ratios["entries"]:.1f}** for entries,
-**{ratios["points"]:.1f}** for illuminance. Aim: 20. rfluxmtx's rays end in one patch each; ours ask a point of each part
-of the window wherever they meet a surface, without a ray where nothing can stand between.
+**{ratios["points"]:.1f}** for illuminance. Aim: 20. rfluxmtx's rays end in one patch each; ours ask a point of each
+part of the window wherever they meet a surface, without a ray where nothing can stand between.
 """
 
 

@@ -10,14 +10,15 @@ REPETITIONS = 40
 """Of each of the five samples."""
 
 
-def test_one_repetition_of_each_kind_is_held():
+def test_repetitions_are_held():
+    """A part of the long run below."""
     found = [repetition("off-specular", seed) for seed in (0, 100)]
     totals = np.concatenate([one.totals for one in found])
     assert np.abs(totals).max() < 4.0
     assert held(np.concatenate([one.patches for one in found])) > 0.9
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.timeout(7200)
 @pytest.mark.parametrize("sample", pg2.SAMPLES)
 def test_intervals_hold_the_truth(sample):

@@ -68,7 +68,7 @@ def data_set(
     warnings: list[str] = []
     comments = [f"clerestory {__version__} measure formula: parameters fitted to scans"]
     for number, one in enumerate(fits):
-        values, most = _grid(one, resolution, lambda s, k=number: progress((k + s) / len(fits)) if progress else None)
+        values, most = _grid(one, resolution, _within(progress, number, len(fits)))
         if most > 1.0:
             warnings.append(
                 f"{one.where}: up to {percent(most)} of the light would leave; such incident directions are scaled to 1"
@@ -102,6 +102,11 @@ def _table(one: Fitted) -> list[str]:
         numbers = ", ".join(f"{n.name} {n.value:.5g} ± {n.standard_error:.2g}" for n in one.numbers(theta))
         rows.append(f"{theta:g}°: {numbers};")
     return rows
+
+
+def _within(progress: Callable[[float], object] | None, number: int, count: int) -> Callable[[float], object]:
+    """Progress of one of several equal parts."""
+    return lambda share: None if progress is None else progress((number + share) / count)
 
 
 def _grid(one: Fitted, resolution: int, progress: Callable[[float], object]) -> tuple[NDArray[np.float32], float]:

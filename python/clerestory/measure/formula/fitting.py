@@ -264,9 +264,9 @@ def _covariance(task: _Task, orders: Mapping[str, int], coefficients: Floats) ->
     wide = high - low
     free = (coefficients - low > _AT_LIMIT * wide) & (high - coefficients > _AT_LIMIT * wide)
     # A level at its lower end is moved by nothing that was measured.
-    for k, parameter in zip(_first(orders), task.parameters, strict=True):
-        if parameter.level and np.exp(coefficients[k]) < 3.0 * LEAST_LEVEL:
-            free[k : k + orders[parameter.name] + 1] = False
+    for first, parameter in zip(_first(orders), task.parameters, strict=True):
+        if parameter.level and np.exp(coefficients[first]) < 3.0 * LEAST_LEVEL:
+            free[first : first + orders[parameter.name] + 1] = False
     here = _off(task, orders, coefficients)
     columns = []
     for k in np.flatnonzero(free):

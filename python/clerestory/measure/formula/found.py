@@ -174,11 +174,12 @@ def values_at(
 ) -> dict[str, Floats]:
     """Parameters at incident angles [°], by name."""
     t = 1.0 - np.cos(np.radians(theta_deg))
-    found, at = {}, 0
+    found: dict[str, Floats] = {}
+    at = 0
     for parameter in parameters:
         count = orders[parameter.name] + 1
         value = np.polynomial.polynomial.polyval(t, coefficients[at : at + count])
         at += count
         value = np.exp(np.clip(value, -50.0, 50.0)) if parameter.log else value
-        found[parameter.name] = np.clip(value, parameter.low, parameter.high)
+        found[parameter.name] = np.asarray(np.clip(value, parameter.low, parameter.high), dtype=np.float64)
     return found

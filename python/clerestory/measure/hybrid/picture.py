@@ -53,10 +53,10 @@ def picture(made: Hybrid) -> Figure:
             axes.get_legend().remove()
             axes.set_xlabel("angle to the normal [°]", labelpad=-8)
         axes = row[2]
-        theta = np.linspace(0.0, 89.0, 179)
-        incident = direction(theta, np.full(len(theta), _AZIMUTH_DEG), side=part.side)
+        polar = np.linspace(0.0, 89.0, 179)
+        incident = direction(polar, np.full(len(polar), _AZIMUTH_DEG), side=part.side)
         for n, (name, bsdf) in enumerate(sets.items()):
-            axes.plot(theta, bsdf.integrate(incident, part.scatter, band=part.band), label=name, **style.line(n))
+            axes.plot(polar, bsdf.integrate(incident, part.scatter, band=part.band), label=name, **style.line(n))
         axes.axvline(part.limit_deg, color="#909090", linewidth=0.8, linestyle=(0, (2, 2)), zorder=0)
         axes.set(xlim=(0.0, 90.0), xlabel="incident angle [°]", ylabel="direct-hemispherical")
         axes.set_ylim(bottom=0.0)

@@ -194,11 +194,11 @@ class Reach:
         out = _forward(outgoing)
         if self.mesh is None:
             radius, turn = float(np.hypot(*travel[:2])), float(np.arctan2(travel[1], travel[0]))
-            held = np.interp(radius, self.incident[:, 0], np.arange(len(self.incident)))
+            held = float(np.interp(radius, self.incident[:, 0], np.arange(len(self.incident))))
             first = min(int(held), len(self.incident) - 2) if len(self.incident) > 1 else 0
             shares = {first: 1.0 - (held - first)}
             if held > first:
-                shares[first + 1] = float(held - first)
+                shares[first + 1] = held - first
             out = _turn(out, -turn)
         else:
             shares = _shares(self.mesh, self.incident, travel)

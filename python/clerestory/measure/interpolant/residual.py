@@ -114,7 +114,7 @@ class Residual:
         sums = np.bincount(which.ravel(), weights.ravel())
         rows, columns = places // count, places % count
         off, noise_, scatter = (
-            np.bincount(rows, w * self.through.values[columns, k], minlength=len(patches))
+            np.bincount(rows, w * self.through.values[columns, k], minlength=len(patches)).astype(np.float64)
             for k, w in enumerate((sums, sums**2, sums**2))
         )
         return Errors(off, noise_, scatter)

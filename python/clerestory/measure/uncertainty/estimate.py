@@ -239,8 +239,8 @@ class Uncertainty:
             around = neighbours.around(self._places[n])
             if not around.beyond:
                 toward = self._groups[n][0].incident[None]
-                totals = [float(b.integrate(toward, self.component.scatter)[0]) for b in (half, self.bsdf)]
-                found.append(LeftOut(*totals, around.spread_deg2))
+                foretold, known = (float(b.integrate(toward, self.component.scatter)[0]) for b in (half, self.bsdf))
+                found.append(LeftOut(foretold, known, around.spread_deg2))
         error = per_gap(found)
         return None if error is None else _Half(half, neighbours, error)
 

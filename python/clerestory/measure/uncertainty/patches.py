@@ -43,7 +43,7 @@ class Patches:
     @property
     def shares(self) -> Floats:
         """Projected solid angle that each direction of a patch stands for [sr] (patches,)."""
-        return self.basis.projected_solid_angles / self.directions.shape[1]
+        return np.asarray(self.basis.projected_solid_angles / self.directions.shape[1])
 
     def values(self, bsdf: Bsdf, incident: Floats, band: str | None = None) -> Floats:
         """BSDF [1/sr] along all directions (patches, each) for light from one direction (3,)."""
