@@ -60,6 +60,16 @@ def test_a_study(study, capsys):
     assert {path.name: path.stat().st_mtime_ns for path in (study / "cache").iterdir()} == files
 
 
+def test_hours_that_the_weather_lacks_are_named(study, capsys):
+    lines = (study / "days.wea").read_text().splitlines(keepends=True)
+    lacking = [line for line in lines if not line.startswith("3 20 12.5 ")]
+    assert len(lacking) == len(lines) - 1
+    (study / "days.wea").write_text("".join(lacking))
+    assert run(study / "study.toml", "--cache", study / "cache") == 0
+    said = "warning: weather: 1 step: 20 March 12:00 to 13:00: the file has nothing for these daylight hours"
+    assert said in capsys.readouterr().err
+
+
 def test_glare_by_pictures(study, capsys):
     path, out = study / "study.toml", study / "results"
     # A sky of March at noon, and a grey one.

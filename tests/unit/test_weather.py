@@ -233,6 +233,15 @@ def test_hours_that_a_year_lacks_are_found(innsbruck):
     ]
 
 
+def test_hours_that_a_day_lacks_are_found(innsbruck):
+    week = innsbruck.selected(np.delete(np.arange(24 * 7), [12, 24, 47]))  # the first and the last may lack
+    assert words(week) == [
+        "warning: 1 step: 1 January 12:00 to 13:00: the file has nothing for these daylight hours "
+        "(take a whole file, or mind the sums)",
+        "note: 165 steps of 7 days, not a year",
+    ]
+
+
 @pytest.mark.parametrize(
     ("rows", "words"),
     [

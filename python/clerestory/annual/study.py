@@ -187,8 +187,10 @@ class Study:
 
     @cached_property
     def warnings(self) -> list[str]:
-        """What is doubtful about the room, and about the places of sensors and eyes."""
+        """What is doubtful about the weather, the room, and the places of sensors and eyes."""
+        odd = [finding for finding in self.weather.findings if finding.severity != "note"]
         return [
+            *(f"weather: {str(finding).removeprefix('warning: ')}" for finding in odd),
             *self.room.warnings,
             *(text for name in self.sensors for text in self.room.doubts(sensors=name)),
             *(text for name in self.views for text in self.room.doubts(view=name)),

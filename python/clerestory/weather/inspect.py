@@ -156,17 +156,32 @@ def _extent(weather: Weather) -> Iterator[Finding]:
     span = float((times[-1] - times[0]) / np.timedelta64(3600, "s")) + weather.step
     # Some files leave the nights out: days with any step are counted as there.
     days = len(np.unique(times.astype("datetime64[D]")))
+    step = np.timedelta64(round(weather.step * 3600), "s")
     if days < 360 or span > 367 * 24:
         what = f"{counted(len(weather), 'step')} of {counted(days, 'day')}, not a year"
         yield Finding("note", "extent", "", what, "")
+        yield from _gaps(weather, _within_days(times, step))
         return
     first = times[0].astype("datetime64[Y]").astype("datetime64[s]") + (times[0] - times[0].astype("datetime64[h]"))
-    step = np.timedelta64(round(weather.step * 3600), "s")
     last = (times[0].astype("datetime64[Y]") + 1).astype("datetime64[s]")
     if times[-1] >= last:
         return  # a year that begins within one of the calendar
     every = np.arange(first, last, step)
-    lacking = every[~np.isin(every, times)]
+    yield from _gaps(weather, every[~np.isin(every, times)])
+
+
+def _within_days(times: NDArray[np.datetime64], step: np.timedelta64) -> NDArray[np.datetime64]:
+    """Steps that are not there between the first and the last one of their day."""
+    days = times.astype("datetime64[D]")
+    lacking = [
+        np.setdiff1d(np.arange(here[0], here[-1], step), here)
+        for day in np.unique(days)
+        for here in [times[days == day]]
+    ]
+    return np.concatenate(lacking)
+
+
+def _gaps(weather: Weather, lacking: NDArray[np.datetime64]) -> Iterator[Finding]:
     if len(lacking) == 0:
         return
     made = _dark(weather, lacking)
