@@ -72,6 +72,8 @@ def test_what_is_not_known_is_not_rated():
     assert found["solar gain"].number == 2
     assert found["glare control"].number is None
     assert "tau_v_n-n, tau_v_n-dif is not known" in found["glare control"].words
+    assert found["darkening"].number is None
+    assert "with lamps" in found["darkening"].words
 
 
 def test_a_device_with_reference_glazing():
@@ -141,6 +143,7 @@ def test_the_file_of_limits_that_the_guide_shows(tmp_path):
         assert {r.criterion: r.number for r in ratings} == {
             "glare control": grid.rows[row][-1],
             "solar gain": 2,
+            "darkening": None,
         }
     short = text.replace("openness = [0.005, 0.01, 0.03]", "openness = [0.005, 0.01]")
     with pytest.raises(RecipeError, match="one more than limits of openness, 3"):

@@ -84,7 +84,7 @@ def folder(tmp_path_factory):
     (made / "window.toml").write_text(WINDOW)
     (made / "room.toml").write_text(ROOM)
     (made / "days.wea").write_text(days([20]))
-    assert main(["system", "family", str(made / "family.toml"), "-o", str(made / "built"), "--xml", "plain"]) == 0
+    assert main(["system", "family", str(made / "family.toml"), "-o", str(made / "built"), "--for", "plain"]) == 0
     return made
 
 
@@ -210,7 +210,7 @@ def test_a_window_for_other_programs(folder, capsys):
     assert "to be placed: roof, azimuth 0° within 10°" in told
     # For WINDOW, which asks for thermal data, and from the file again, which keeps what it said.
     assert main(["system", "build", str(folder / "window.toml"), "-o", str(folder / "w.xml"), "--for", "window"]) == 0
-    assert main(["system", "export", str(out), "-o", str(folder / "again.xml"), "--to", "window"]) == 0
+    assert main(["system", "export", str(out), "-o", str(folder / "again.xml"), "--for", "window"]) == 0
     again = clerestory.read(folder / "again.xml")
     assert (product_of(again).curve, product_of(again).orientation) == (data.curve, data.orientation)
     assert (again.bands, again.metadata.manufacturer) == (("solar", "visible"), "Maker")
@@ -235,12 +235,12 @@ def test_what_export_refuses(folder, capsys):
     out = folder / "refused"
     for words, match in (
         ([window, "-o", f"{out}.txt"], "the name does not tell the format"),
-        ([window, "-o", f"{out}.idf", "--to", "window"], ".idf files are for energyplus"),
+        ([window, "-o", f"{out}.idf", "--for", "window"], ".idf files are for energyplus"),
         ([window, "-o", f"{out}.idf", "--sun", "40,180"], "go with candle power"),
-        ([window, "-o", f"{out}.ldt", "--to", "window"], "--to goes with data sets"),
+        ([window, "-o", f"{out}.ldt", "--for", "window"], "--for goes with data sets"),
         ([folder / "built" / "tilt_0.xml", "-o", f"{out}.idf"], "layer 1 (blind, tilt_0): EnergyPlus takes no shading"),
         ([folder / "none.xml", "-o", f"{out}.xml"], "none.xml"),
-        ([folder / "built" / "tilt_0.xml", "-o", f"{out}.xml", "--to", "window"], "WINDOW needs"),
+        ([folder / "built" / "tilt_0.xml", "-o", f"{out}.xml", "--for", "window"], "WINDOW needs"),
     ):
         assert match in failed(capsys, "system", "export", *words)
     assert not list(folder.glob("refused*"))
@@ -248,7 +248,7 @@ def test_what_export_refuses(folder, capsys):
 
 def test_a_family_that_cannot_be_written_leaves_nothing(folder, capsys):
     out = folder / "none"
-    words = ["system", "family", folder / "family.toml", "-o", out, "--xml", "window"]
+    words = ["system", "family", folder / "family.toml", "-o", out, "--for", "window"]
     assert "family.toml: state tilt_0: WINDOW needs emissivity_exterior" in failed(capsys, *words)
     assert not out.exists()
     before = {path.name: path.read_bytes() for path in (folder / "built").iterdir()}
@@ -256,5 +256,5 @@ def test_a_family_that_cannot_be_written_leaves_nothing(folder, capsys):
     failed(capsys, *words)
     assert {path.name: path.read_bytes() for path in (folder / "built").iterdir()} == before
     assert "is no folder" in failed(capsys, "system", "family", folder / "family.toml", "-o", folder / "days.wea")
-    assert "--xml goes with --output" in failed(capsys, "system", "family", folder / "family.toml", "--xml", "plain")
+    assert "--for goes with --output" in failed(capsys, "system", "family", folder / "family.toml", "--for", "plain")
     assert "not TOML" in failed(capsys, "system", "family", folder / "built" / "tilt_0.xml")

@@ -29,8 +29,9 @@ CRITERIA = (
     "night privacy",
     "outward view",
     "daylight utilisation",
+    "darkening",
 )
-"""In the order of a sheet. Darkening is tested with lamps, and its limits are not public."""
+"""In the order of a sheet."""
 OPENNESS = (0.005, 0.05, 0.10)
 """Usual limits of the rows of tau_v_n-n: what is shown as 0.00 counts as none."""
 
@@ -171,6 +172,9 @@ def classify(quantities: Mapping[str, float], limits: Edition) -> list[Rating]:
     for grid in limits.by_openness:
         names = ("tau_v_n-n", "tau_v_n-dif")
         found[grid.criterion] = _rated(grid.criterion, names, quantities, _by_openness(grid, quantities))
+    if "darkening" not in found:
+        words = "not rated: EN 14500 tests it with lamps on the mounted product, and a data set does not tell"
+        found["darkening"] = Rating("darkening", None, words)
     return sorted(
         found.values(), key=lambda r: CRITERIA.index(r.criterion) if r.criterion in CRITERIA else len(CRITERIA)
     )

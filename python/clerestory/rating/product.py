@@ -36,6 +36,13 @@ class Rated:
     ratings: tuple[Rating, ...]
     doubts: tuple[str, ...]
 
+    @property
+    def cut_off_words(self) -> str:
+        """From which angle on, and how that was found."""
+        angle = self.cut_off.angle_deg
+        found = "not cut off at any angle" if angle is None else f"cut off from {angle:.3g}° on"
+        return f"Light from above is {found}: {self.cut_off.words}"
+
     def of(self, band: str, scatter: str, side: str = "exterior") -> Optics | None:
         """Figures of a component, if the data have it."""
         wanted = (band, scatter, side)

@@ -106,15 +106,9 @@ def _optics(rated: Rated) -> Table:
 
 
 def _found(rated: Rated) -> str:
-    angle = rated.cut_off.angle_deg
-    cut = (
-        f"Light from above is cut off from {angle:.3g}° on: {rated.cut_off.words}."
-        if angle is not None
-        else f"Light from above is not cut off at any angle: {rated.cut_off.words}."
-    )
     by_side = {o.scatter: o.words for o in rated.optics}
     ways = "; ".join(f"{scatter}: {words}" for scatter, words in by_side.items())
-    return f"{cut} Values by {ways}."
+    return f"{rated.cut_off_words}. Values by {ways}."
 
 
 def _heat(heat: WindowHeat, built: Built) -> list[Block]:

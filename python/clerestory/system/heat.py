@@ -86,7 +86,10 @@ def heat(
         There is no band solar, or a layer lacks a thermal property; the text names its number and name.
     """
     if "solar" not in built.absorbed:
-        raise MissingDataError(f"the window has no band solar (it has {', '.join(built.absorbed)})")
+        raise MissingDataError(
+            f"heat needs the band solar, and the window has {' and '.join(built.absorbed)} only (give its layers solar"
+            " values)"
+        )
     cold, hot = _climate(winter), _climate(summer)
     assumed: list[str] = []
     layers = [thermal_layer(layer, number, assumed) for number, layer in enumerate(window.layers, 1)]

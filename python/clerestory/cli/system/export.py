@@ -61,7 +61,7 @@ def export(
     to: Annotated[
         str | None,
         typer.Option(
-            "--to",
+            "--for",
             metavar="PROGRAM",
             help="What an XML file is for: plain (all bands, the default), radiance, window, energyplus.",
         ),
@@ -108,7 +108,7 @@ def export(
         _data(product, output, suffix, to, safety, as_json=as_json)
         return
     if to is not None:
-        raise UsageError(f"--to goes with data sets, not with {suffix} (leave it out)")
+        raise UsageError(f"--for goes with data sets, not with {suffix} (leave it out)")
     if (suffix == ".csv") != (place is not None):
         raise UsageError("--place goes with daylight supply, OUT.csv, which needs it (give both or neither)")
     kind = one_of(sky, "--sky", _SKIES)
@@ -133,9 +133,9 @@ def _product(product: str, *, quiet: bool) -> tuple[Bsdf, str, list[Path]]:
 
 
 def _data(product: str, output: Path, suffix: str, to: str | None, safety: float, *, as_json: bool) -> None:
-    target = one_of(to or ("energyplus" if suffix in (".idf", ".epjson") else "plain"), "--to", _TARGETS)
+    target = one_of(to or ("energyplus" if suffix in (".idf", ".epjson") else "plain"), "--for", _TARGETS)
     if suffix in (".idf", ".epjson") and target != "energyplus":
-        raise UsageError(f"--to {target}: {suffix} files are for energyplus (end the name with .xml)")
+        raise UsageError(f"--for {target}: {suffix} files are for energyplus (end the name with .xml)")
     if is_data_set(product):
         from clerestory.system.build import load
 

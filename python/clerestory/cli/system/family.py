@@ -45,7 +45,7 @@ def family(
     xml: Annotated[
         str | None,
         typer.Option(
-            "--xml",
+            "--for",
             metavar="PROGRAM",
             help="Write XML for plain, radiance, window or energyplus; Clerestory's own files by default.",
         ),
@@ -63,8 +63,8 @@ def family(
     Example: clerestory system family blind-family.toml -o blind
     """
     if xml is not None and output is None:
-        raise UsageError("--xml goes with --output (give a folder)")
-    target = None if xml is None else cast("Target", one_of(xml, "--xml", _TARGETS))
+        raise UsageError("--for goes with --output (give a folder)")
+    target = None if xml is None else cast("Target", one_of(xml, "--for", _TARGETS))
     if output is not None and output.exists() and not output.is_dir():
         raise UsageError(f"{output}: is no folder (give one, or a name that is free)")
     made, sources = _family(spec, quiet=as_json)

@@ -173,6 +173,7 @@ def _tell(rated: Rated, heat: WindowHeat | None, product: str) -> None:
         for o in rated.optics
     ]
     say(table(["", "n-h", "n-n", "n-dif", "dif-h"], rows))
+    say(f"\n  {rated.cut_off_words}")
     if heat is not None:
         say(f"\n  U {heat.u:.2f} W/(m² K) ({heat.winter.name}), g {heat.g:.3f}, for diffuse light {heat.diffuse:.3f}")
     if rated.g:
