@@ -78,6 +78,20 @@ def test_a_matrix_has_the_measured_values(scaling):
     np.testing.assert_array_equal(done.bsdf.models["visible"]["exterior", "reflection"].values, matrix(0.1, 0.05, 2))
 
 
+def test_the_spheres_uncertainty_is_that_of_the_totals():
+    shape = 0.03 * matrix()
+    uncertain = film().models["visible"]["exterior", "transmission"].with_standard_errors(shape)
+    data = film().with_models({"visible": {("exterior", "transmission"): uncertain}})
+    given = [replace(v, standard_errors=0.02 * v.values) for v in curve(lambda theta: 0.5)]
+    made = calibrated(data, given).bsdf.models["visible"]["exterior", "transmission"]
+    np.testing.assert_allclose(made.total_standard_errors, 0.02 * totals(calibrated(data, given).bsdf), rtol=1e-6)
+    np.testing.assert_allclose(made.standard_errors, np.hypot(0.03, 0.02) * 0.5 * matrix(), rtol=1e-6)
+    # Without errors of the sphere, those of the data are scaled with them.
+    plain = calibrated(data, curve(lambda theta: 0.5)).bsdf.models["visible"]["exterior", "transmission"]
+    assert plain.total_standard_errors is None
+    np.testing.assert_allclose(plain.standard_errors, 0.5 * shape, rtol=1e-6)
+
+
 def test_between_measured_angles_factors_are_interpolated():
     done = calibrated(film(), curve())
     ratio = totals(done.bsdf) / totals(film())

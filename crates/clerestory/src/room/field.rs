@@ -70,11 +70,17 @@ pub enum Scattered {
 impl Scattered {
     /// For models of the transmission into the room, one a channel, or one for all three.
     pub fn new(models: &[Model], incident: &Incident, progress: &Progress) -> Result<Self> {
-        if models.iter().all(|m| matches!(m, Model::Specular(_) | Model::Beam(_))) {
+        if models.iter().all(is_beam) {
             return Ok(Self::Dark);
         }
-        if let [Model::Matrix(matrix)] = models {
-            return Ok(of_matrix(matrix, incident));
+        if let [model] = models
+            && let Some((weight, matrix)) = only_matrix(model)
+        {
+            let mut values = by_patch(matrix, &incident.sky, &incident.sun);
+            for value in values.iter_mut().flatten() {
+                *value *= weight;
+            }
+            return Ok(Self::Patches(matrix.outgoing().clone(), values));
         }
         let mut cells = vec![[0.0; 3]; OUTGOING * OUTGOING];
         for (k, model) in models.iter().enumerate() {
@@ -107,12 +113,31 @@ fn centre(cell: usize, steps: usize) -> Disk {
     Disk::from_square([cell / steps, cell % steps].map(|k| (k as f64 + 0.5) / steps as f64))
 }
 
+fn is_beam(model: &Model) -> bool {
+    matches!(model, Model::Specular(_) | Model::Beam(_))
+}
+
+/// The matrix that all scattered light comes from, and its weight.
+fn only_matrix(model: &Model) -> Option<(f64, &Matrix)> {
+    match model {
+        Model::Matrix(matrix) => Some((1.0, matrix)),
+        Model::Sum(sum) => {
+            let mut scattering = sum.parts().iter().filter(|(_, part)| !is_beam(part));
+            match (scattering.next(), scattering.next()) {
+                (Some((weight, part)), None) => only_matrix(part).map(|(inner, matrix)| (weight * inner, matrix)),
+                _ => None,
+            }
+        }
+        _ => None,
+    }
+}
+
 /// Each outgoing patch takes the incident patches' light by its row of the matrix.
-fn of_matrix(matrix: &Matrix, incident: &Incident) -> Scattered {
+fn by_patch(matrix: &Matrix, sky: &[Rgb], sun: &[(Disk, Rgb)]) -> Vec<Rgb> {
     let (from, to) = (matrix.incident(), matrix.outgoing());
-    let area = std::f64::consts::PI / incident.sky.len() as f64;
+    let area = std::f64::consts::PI / sky.len() as f64;
     let mut flux = vec![[0.0; 3]; from.len()];
-    for (cell, sky) in incident.sky.iter().enumerate() {
+    for (cell, sky) in sky.iter().enumerate() {
         // Cells straddle patches: by parts of them.
         const PARTS: usize = 4;
         for part in 0..PARTS * PARTS {
@@ -123,7 +148,7 @@ fn of_matrix(matrix: &Matrix, incident: &Incident) -> Scattered {
             }
         }
     }
-    for (point, irradiance) in &incident.sun {
+    for (point, irradiance) in sun {
         for (f, e) in flux[from.patch_of(*point)].iter_mut().zip(irradiance) {
             *f += e * point.cos_theta();
         }
@@ -138,27 +163,12 @@ fn of_matrix(matrix: &Matrix, incident: &Incident) -> Scattered {
         }
         sum
     });
-    Scattered::Patches(to.clone(), values.collect())
+    values.collect()
 }
 
 /// On the outgoing square.
 fn of_model(model: &Model, incident: &Incident) -> Vec<Rgb> {
-    let sky = match model {
-        Model::Separated(separated) => {
-            // What the beam takes out of the table, it takes from about the direction that it comes from.
-            let mut all = sky_of(separated.base(), incident);
-            all.par_iter_mut().enumerate().for_each(|(cell, value)| {
-                let through = centre(cell, OUTGOING);
-                let beam: f64 = model.peaks(through).iter().map(|p| p.value).sum();
-                for (v, s) in value.iter_mut().zip(incident.mean(through)) {
-                    *v = (*v - beam * s).max(0.0);
-                }
-            });
-            all
-        }
-        other => sky_of(other, incident),
-    };
-    let mut all = sky;
+    let mut all = sky_of(model, incident);
     all.par_iter_mut().enumerate().for_each(|(cell, value)| {
         let outgoing = centre(cell, OUTGOING);
         for (point, irradiance) in &incident.sun {
@@ -173,10 +183,36 @@ fn of_model(model: &Model, incident: &Incident) -> Vec<Rgb> {
 
 fn sky_of(model: &Model, incident: &Incident) -> Vec<Rgb> {
     match model {
+        _ if is_beam(model) => vec![[0.0; 3]; OUTGOING * OUTGOING],
+        Model::Sum(sum) => {
+            let mut all = vec![[0.0; 3]; OUTGOING * OUTGOING];
+            for (weight, part) in sum.parts() {
+                for (v, p) in all.iter_mut().flatten().zip(sky_of(part, incident).iter().flatten()) {
+                    *v += weight * p;
+                }
+            }
+            all
+        }
+        Model::Separated(separated) => {
+            // What the beam takes out of the table, it takes from about the direction that it comes from.
+            let mut all = sky_of(separated.base(), incident);
+            all.par_iter_mut().enumerate().for_each(|(cell, value)| {
+                let through = centre(cell, OUTGOING);
+                let beam: f64 = model.peaks(through).iter().map(|p| p.value).sum();
+                for (v, s) in value.iter_mut().zip(incident.mean(through)) {
+                    *v = (*v - beam * s).max(0.0);
+                }
+            });
+            all
+        }
+        Model::Matrix(matrix) => {
+            let values = by_patch(matrix, &incident.sky, &[]);
+            let patch = |cell| matrix.outgoing().patch_of(centre(cell, OUTGOING));
+            (0..OUTGOING * OUTGOING).map(|cell| values[patch(cell)]).collect()
+        }
         Model::Tree(tree) if tree.rank() == Rank::Anisotropic && 1 << tree.depth() <= OUTGOING => {
             of_leaves(tree, incident)
         }
-        Model::Specular(_) | Model::Beam(_) => vec![[0.0; 3]; OUTGOING * OUTGOING],
         other => drawn(&other.reciprocal(), incident),
     }
 }

@@ -16,6 +16,7 @@ from clerestory.basis import Basis
 from clerestory.directions import SCATTERS, SIDES, angles, direction
 from clerestory.integrals import direct_hemispherical
 from clerestory.measure.calibrate.agreement import Agreement, of_model
+from clerestory.measure.calibrate.errors import with_sphere_errors
 from clerestory.measure.calibrate.factors import Factors
 from clerestory.measure.calibrate.known import Known, known_values
 from clerestory.measure.calibrate.reversible import reversible
@@ -114,6 +115,7 @@ def calibrated(
     factors: list[Factor] = []
     warnings: list[str] = list(before.warnings)
     targets: dict[tuple[str, Side, Scatter], Floats] = {}
+    spheres: dict[tuple[str, Side, Scatter], list[Known]] = {}
     result = bsdf
     for band in bsdf.bands:
         for scatter in SCATTERS:
@@ -125,6 +127,7 @@ def calibrated(
                 work = _Component(bsdf, band, side, scatter)
                 wanted, found = work.targets(here, warnings)
                 targets[band, side, scatter] = wanted
+                spheres[band, side, scatter] = here
                 if scaling == "both":
                     result, parts = work.both(result, here)
                     factors += parts
@@ -140,6 +143,9 @@ def calibrated(
         )
     if reciprocal:
         result = reversible(result, targets, warnings)
+    for (band, side, scatter), here in spheres.items():
+        model = with_sphere_errors(result.models[band][side, scatter], here)
+        result = result.with_models({band: {(side, scatter): model}})
     for factor in factors:
         warnings.append(
             factor.at.implausible(f"{factor.band}, {factor.scatter} from the {factor.side}, {factor.part} light") or ""
