@@ -112,7 +112,7 @@ def test_what_is_wrong_names_the_layer(tmp_path, capsys):
     assert "between layers 1 and 2 there is no gap" in of(PANE, PANE)
     assert "layer 1 (opal): no glass 'opal'" in of(PANE.replace("clear", "opal"))
     assert "layer 1 (none.dat): " in of('[[layers]]\nkind = "glass"\nfile = "none.dat"\n')
-    assert "layer 1 (clear): thickness_mm: how thick" in of('[[layers]]\nkind = "glass"\nglass = "clear"\n')
+    assert "layer 1 (clear): thickness_mm: the thickness" in of('[[layers]]\nkind = "glass"\nglass = "clear"\n')
     assert "layer 1 (clear): thicknes_mm: there is no such key" in of(PANE.replace("thickness", "thicknes"))
     assert "layer 1 (wood): kind: 'wood' is not known" in of('[[layers]]\nkind = "wood"\n')
     assert "standard" in of(PANE, system='standard = "din"')

@@ -119,7 +119,7 @@ def test_what_comes_with_clerestory(folder, quick):
         ({"file": "broken.toml"}, "broken.toml: not TOML"),
         ({"file": "gap.toml"}, "gap.toml: layer 1 (none.toml): "),
         ({"glass": "amber", "thickness_mm": 4}, "s.glass: layer 1 (amber): no glass 'amber' comes with Clerestory"),
-        ({"glass": "clear"}, "s.glass: layer 1 (clear): thickness_mm: how thick the glass 'clear' is is not given"),
+        ({"glass": "clear"}, "s.glass: layer 1 (clear): thickness_mm: the thickness of the glass 'clear' is not given"),
         ({"glass": "none.csv"}, "none.csv"),
     ],
 )

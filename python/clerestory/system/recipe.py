@@ -107,7 +107,7 @@ class GlassKeys(_Solid):
         if len(given) != 1:
             raise wrong("file", "a file, a glass or sheets are asked for (give one of them)")
         if self.glass is not None and self.thickness_mm is None:
-            raise wrong("thickness_mm", f"how thick the glass {self.glass!r} is is not given (add it)")
+            raise wrong("thickness_mm", f"the thickness of the glass {self.glass!r} is not given (add it)")
         if self.sheets is not None and self.thickness_mm is not None:
             raise wrong("thickness_mm", "each sheet has its own thickness (leave it out)")
         if self.file is None and (self.angles is not None or self.roos_category != 4.0):
