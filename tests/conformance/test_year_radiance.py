@@ -150,7 +150,7 @@ def test_five_phases_are_those_of_radiance(theirs, folder):
     view = theirs.views.mean(axis=0)
     direct_view = phases.view(folder, POINTS, UP, divisions=16000, bounces=1)[0]
     by_patches = EFFICACY * (view @ transmission @ daylight @ sky - direct_view @ transmission @ daylight @ sun)
-    by_suns = phases.direct(folder, theirs.room, POINTS, UP, system="system.xml", suns="suns.rad", divisions=16000)
+    by_suns = phases.direct(folder, theirs.room, POINTS, UP, system="system.xml", suns="suns.rad", divisions=64000)
 
     skies = SkyYear(read_weather(folder / "sunny.wea"), "tregenza", preset="radiance-matrix")
     matrices = RoomMatrices(theirs.room, cache=Cache(folder / "cache"))
