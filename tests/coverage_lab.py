@@ -30,8 +30,6 @@ class Repetition:
     """Whether each direction was measured (directions,)."""
     totals: np.ndarray
     """Of direct-hemispherical values (directions,)."""
-    shapes: np.ndarray
-    """The same, with the level known (directions,)."""
     patches: np.ndarray
     """Of fluxes into Klems patches (directions, patches)."""
 
@@ -66,17 +64,15 @@ def repetition(sample, seed):
         (float(rng.uniform(thetas[0], thetas[-1])), float(rng.uniform(phis[0], phis[-1] + 1e-9 + 90.0 * isotropic)))
         for _ in range(3)
     ]
-    totals, shapes, patches = [], [], []
+    totals, patches = [], []
     for theta, phi in known + between:
         toward = direction(theta, phi, side="exterior")
         budget = one.at(toward)
         total, fluxes = truth(sample, theta, phi)
         totals.append((budget.total - total) / budget.total_error)
-        rest = np.sqrt(budget.total_error**2 - budget.of_total["level"] ** 2)
-        shapes.append((budget.total / level - total) / (rest / level))
         found = FINE.fluxes(FINE.values(one.bsdf, toward))
         patches.append((found - fluxes) / budget.flux_errors)
-    return Repetition(sample, np.arange(5) < len(known), np.array(totals), np.array(shapes), np.array(patches))
+    return Repetition(sample, np.arange(5) < len(known), np.array(totals), np.array(patches))
 
 
 def held(errors):
