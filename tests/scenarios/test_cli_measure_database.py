@@ -14,7 +14,7 @@ from clerestory.cli import main
 from clerestory.measure import Measurement, Scan, read, write
 from clerestory.measure.contents import Contents
 from clerestory.measure.database import Database
-from clerestory.measure.given import contents_given, measurement_given
+from clerestory.measure.given import contents_given, one_sample
 
 CONDITIONS = {"laboratory": "HSLU", "date": "2020-06-24", "instrument": "PG2", "lamp": "halogen"}
 
@@ -252,17 +252,17 @@ def test_what_a_person_gives_to_other_commands(folder, capsys):
     # A name that is no file is looked up in the default database.
     (folder / "lab.sqlite").rename(folder / "laboratory.sqlite")
     (folder / "twill").rename(folder / "files")
-    assert len(measurement_given(["twill"]).scans) == 3
+    assert len(one_sample(contents_given(["twill"]), ["twill"]).scans) == 3
     with pytest.raises(ClerestoryError, match=r"other: neither a file nor a sample of laboratory.sqlite"):
         contents_given(["other"])
     both = contents_given(["twill", "files"])
     assert len(both.measurements[0].scans) == 6
     write(Measurement("blind", (scan(10.0),)), folder / "more", "mountain")
     with pytest.raises(ClerestoryError, match=r"several samples: twill, blind \(name one with --sample\)"):
-        measurement_given(["files", "more"])
-    assert len(measurement_given(["files", "more"], sample="blind").scans) == 1
+        one_sample(contents_given(["files", "more"]), ["files", "more"])
+    assert len(one_sample(contents_given(["files", "more"]), ["files", "more"], "blind").scans) == 1
     with pytest.raises(ClerestoryError, match=r"no scans of sample 'x' \(there are: twill, blind\)"):
-        measurement_given(["files", "more"], sample="x")
+        one_sample(contents_given(["files", "more"]), ["files", "more"], "x")
     with pytest.raises(ClerestoryError, match="nothing to read"):
         contents_given([])
     assert isinstance(read("files"), Contents)

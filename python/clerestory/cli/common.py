@@ -14,7 +14,7 @@ import sys
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -43,6 +43,10 @@ ScatterOption = Annotated[
 ]
 SIDE_NAMES = ("exterior", "interior")
 SCATTER_NAMES = ("transmission", "reflection")
+DATA_SETS = (".xml", ".xml.gz", ".npz")
+"""Endings of BSDF files."""
+TREES: tuple[Literal["tensor3", "tensor4"], ...] = ("tensor3", "tensor4")
+"""What is named in place of a basis for a tensor tree."""
 
 
 class CommandError(Exception):
@@ -285,6 +289,12 @@ def partial_of(output: Path, *, must_exist: bool = False) -> Path:
     if must_exist and not partial.exists():
         raise UsageError(f"--resume: there is no {partial} (leave --resume out to start)")
     return partial
+
+
+def ends_with(output: Path, endings: tuple[str, ...]) -> None:
+    """Fail if a file's name tells none of the formats that there are."""
+    if not output.name.lower().endswith(endings):
+        raise UsageError(f"{output}: the name does not tell the format (end it with {', '.join(endings)})")
 
 
 def refuse_overwriting(output: Path, inputs: Sequence[Path]) -> None:

@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from clerestory.cli.common import (
+    DATA_SETS,
+    TREES,
     JsonOption,
     UsageError,
     about,
@@ -34,8 +36,6 @@ if TYPE_CHECKING:
     from clerestory.model import Model
     from clerestory.tree import ReductionReport
 
-TREES: tuple[Literal["tensor3", "tensor4"], ...] = ("tensor3", "tensor4")
-SUFFIXES = (".xml", ".xml.gz", ".npz")
 TARGETS: tuple[Target, ...] = ("plain", "radiance", "window", "energyplus")
 
 
@@ -138,7 +138,7 @@ def convert(
     if not isfinite(rotate):
         raise UsageError(f"--rotate {rotate:g}: not an angle (give degrees, such as 90)")
     wanted = next(t for t in TARGETS if t == one_of(target, "--for", TARGETS))
-    if not output.name.lower().endswith(SUFFIXES):
+    if not output.name.lower().endswith(DATA_SETS):
         raise UsageError(f"{output}: the name does not tell the format (end it with .xml, .xml.gz or .bsdf.npz)")
     refuse_overwriting(output, inputs)
     bands = _bands_of(band_of or [], inputs)

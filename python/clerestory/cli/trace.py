@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from clerestory.cli.common import (
+    DATA_SETS,
+    TREES,
     JsonOption,
     UsageError,
     angle_pair,
@@ -33,10 +35,8 @@ if TYPE_CHECKING:
     from clerestory.directions import Side
     from clerestory.trace import Balance, Measured, Sample, Seen, Settings, State
 
-SUFFIXES = (".xml", ".xml.gz", ".npz")
 SCENES = (".rad", ".obj", ".stl", ".ply")
 UNITS = ("m", "cm", "mm", "um", "inch", "foot")
-TREES = ("tensor3", "tensor4")
 RAYS = 100_000
 """Paths of a ray file by default."""
 
@@ -194,7 +194,7 @@ def _check_names(output: Path | None, rays: Path | None, picture: Path | None, *
         raise UsageError("-o: no file to write is given (give one ending in .xml, .xml.gz or .bsdf.npz)")
     if output is not None and scanned and output.suffix.lower() != ".csv":
         raise UsageError(f"{output}: a scan of directions is a table (end the name with .csv)")
-    if output is not None and not scanned and not output.name.lower().endswith(SUFFIXES):
+    if output is not None and not scanned and not output.name.lower().endswith(DATA_SETS):
         raise UsageError(f"{output}: the name does not tell the format (end it with .xml, .xml.gz or .bsdf.npz)")
     if rays is not None and rays.suffix.lower() not in (".csv", ".npz"):
         raise UsageError(f"--rays {rays}: the name does not tell the format (end it with .csv or .npz)")

@@ -90,28 +90,6 @@ def _refuse_filters(laboratory: str | None, date: str | None) -> None:
         raise ClerestoryError("--laboratory and --date choose scans of the database, not of files (leave them out)")
 
 
-def measurement_given(
-    words: Sequence[str | os.PathLike[str]],
-    *,
-    sample: str | None = None,
-    database: str | os.PathLike[str] | None = None,
-    **choices: object,
-) -> Measurement:
-    """The scans of one sample, as `contents_given` finds them.
-
-    Parameters
-    ----------
-    sample
-        Which one, where files hold several.
-
-    Raises
-    ------
-    ClerestoryError
-        There is no scan of that sample, or there are several samples and none is named.
-    """
-    return one_sample(contents_given(words, database=database, **choices), words, sample)  # type: ignore[arg-type]
-
-
 def one_sample(contents: Contents, words: Sequence[str | os.PathLike[str]], sample: str | None = None) -> Measurement:
     """The scans of one sample: the one that is named, or the only one.
 

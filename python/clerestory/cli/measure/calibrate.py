@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 from clerestory.cli.common import (
+    DATA_SETS,
     JsonOption,
     UsageError,
     note,
@@ -21,7 +22,7 @@ from clerestory.cli.common import (
     table,
 )
 from clerestory.cli.measure.inputs import contents_of, measurement_of, refuse_to_write_over
-from clerestory.cli.measure.keeping import KeepOption, Kept, Made, NoteOption, keep, stem_of
+from clerestory.cli.measure.keeping import KeepOption, Kept, Made, NoteOption, keep, stem_of, tell_written
 from clerestory.cli.measure.options import DatabaseOption, DateOption, LaboratoryOption, SampleOption
 
 if TYPE_CHECKING:
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
     from clerestory.measure.calibrate import Agreement, Factor
     from clerestory.measure.sphere import SphereValues
 
-_MODELS = (".xml", ".xml.gz", ".npz")
 _SCALINGS = ("all", "scattered", "peak", "both")
 _STANDARDS = ("en410", "iso9050", "nfrc300")
 
@@ -100,14 +100,12 @@ def calibrate(
         "laboratory": laboratory,
         "date": date,
     }
-    settings = {key: value for key, value in said.items() if value is not None}
-    notes = [note_] if note_ else []
 
     def keeping(made: Made) -> Kept | None:
-        told = replace(made, settings=settings, spheres=values, notes=notes)
+        told = replace(made, settings=said, spheres=values, note=note_)
         return keep(context, told, words, db) if keep_ else None
 
-    if data.lower().endswith(_MODELS):
+    if data.lower().endswith(DATA_SETS):
         if (laboratory, date) != (None, None):
             raise UsageError("--laboratory and --date choose scans of the database, not data sets (leave them out)")
         _model(Path(data), values, output, part, weighed, picture, keeping, reciprocal=reciprocal, as_json=as_json)
@@ -155,7 +153,7 @@ def _model(
         if output is None:
             _tell(of_model(bsdf, values, standard=standard), None, (), (), picture, [], as_json=as_json)
             return
-        if not str(output).lower().endswith(_MODELS):
+        if not str(output).lower().endswith(DATA_SETS):
             raise UsageError(f"{output}: not a kind of data set (give .xml, .xml.gz or .bsdf.npz)")
         done = calibrated(bsdf, values, scaling=part, reciprocal=reciprocal, standard=standard)  # type: ignore[arg-type]
     lost = done.bsdf.write(output)
@@ -254,10 +252,7 @@ def _tell(
     if len(written) > 3 and len(folders) == 1:
         note(f"wrote {len(written) - (picture in written)} files to {next(iter(folders))}")
         written = [path for path in written if path == picture]
-    for path in written:
-        note(f"wrote {path}")
-    if kept is not None:
-        note(kept.words)
+    tell_written(written, kept)
 
 
 def _rows(agreement: Agreement) -> list[dict[str, object]]:

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Literal, cast
 import typer
 
 from clerestory.cli.common import (
+    TREES,
     JsonOption,
     UsageError,
     about,
+    ends_with,
     note,
     one_of,
     plain,
@@ -22,7 +24,7 @@ from clerestory.cli.common import (
 )
 from clerestory.cli.measure.budgets import as_rows, budgets_of, say_budgets
 from clerestory.cli.measure.inputs import measurement_of, words_of
-from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep, stem_of
+from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep, stem_of, tell_written
 from clerestory.cli.measure.options import (
     ColumnOption,
     ConventionOption,
@@ -34,16 +36,15 @@ from clerestory.cli.measure.options import (
     SampleOption,
     choices_of,
 )
+from clerestory.cli.measure.tables import as_table
 
 if TYPE_CHECKING:
-    from clerestory.bsdf import Bsdf
     from clerestory.directions import Scatter, Side
     from clerestory.measure import Measurement
     from clerestory.measure.interpolant import Fit, Method
     from clerestory.measure.prepare.symmetry import Symmetry
     from clerestory.measure.uncertainty import Uncertainty
 
-_TREES = ("tensor3", "tensor4")
 _SUFFIXES = (".xml", ".xml.gz", ".bsdf.npz")
 
 
@@ -133,8 +134,7 @@ def fit(
 
     chosen_method = cast("Method", one_of(method, "--method", METHODS))
     chosen_symmetry = cast('Symmetry | Literal["auto"]', one_of(symmetry, "--symmetry", ("auto", *SYMMETRIES)))
-    if not output.name.lower().endswith(_SUFFIXES):
-        raise UsageError(f"{output}: the name does not tell the format (end it with {', '.join(_SUFFIXES)})")
+    ends_with(output, _SUFFIXES)
     npz = output.name.lower().endswith(".npz")
     if basis is None and not npz:
         basis = "klems-full"
@@ -164,8 +164,8 @@ def fit(
     bsdf = made.bsdf.with_metadata(name=made.sample) if made.sample else made.bsdf
     if basis is not None:
         with progress("convert") as done:
-            bsdf = _converted(bsdf, basis, resolution, cull, done)
-        if npz and basis not in _TREES and found:
+            bsdf = as_table(bsdf, basis, resolution, done, cull=cull)
+        if npz and basis not in TREES and found:
             with progress("uncertainty") as done:
                 bsdf = with_errors(bsdf, found, progress=done)
     with about(output):
@@ -181,7 +181,7 @@ def fit(
         "basis": basis,
         "lines": lines or None,
     }
-    if basis in _TREES:
+    if basis in TREES:
         settings |= {"resolution": resolution, "cull": cull}
     settings |= {"laboratory": laboratory, "date": date, **choices}
     if uncertainty:
@@ -191,11 +191,11 @@ def fit(
         result = Made(
             [output],
             stem_of(output),
-            {key: value for key, value in settings.items() if value is not None},
+            settings,
             _steps(made, basis, notes, assumed),
             scans=raw,
             report=report,
-            notes=[note_] if note_ else [],
+            note=note_,
         )
         kept = keep(context, result, words, db)
     if as_json:
@@ -226,10 +226,7 @@ def fit(
     for line in made.lines():
         say(line)
     say_budgets(told)
-    for path in filter(None, (output, report)):
-        note(f"wrote {path}")
-    if kept is not None:
-        note(kept.words)
+    tell_written(filter(None, (output, report)), kept)
 
 
 def _steps(made: Fit, basis: str | None, notes: list[str], assumed: tuple[str, ...]) -> list[dict[str, object]]:
@@ -250,20 +247,10 @@ def _uncertainties(
     from clerestory.measure.delaunay import NoSurfaceError
     from clerestory.measure.uncertainty import Settings, uncertainties
 
-    patches = Basis.named("klems-full" if basis is None or basis in _TREES else basis)
+    patches = Basis.named("klems-full" if basis is None or basis in TREES else basis)
     try:
         with progress("uncertainty") as done:
             return uncertainties(measurement, made, Settings(cone, 0.01 * level), basis=patches, progress=done)
     except NoSurfaceError as error:
         note(f"warning: how far values are to be believed is not known: {error}")
         return {}
-
-
-def _converted(bsdf: Bsdf, basis: str, resolution: int, cull: float, done: object) -> Bsdf:
-    from clerestory.basis import Basis
-
-    call = cast("type", done)
-    if basis in _TREES:
-        rank = cast('Literal["tensor3", "tensor4"]', basis)
-        return bsdf.to_tree(rank, resolution=resolution, reduce=cull, progress=call)
-    return bsdf.to_matrix(Basis.named(basis), progress=call)

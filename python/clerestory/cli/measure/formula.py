@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, cast
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -12,6 +12,7 @@ from clerestory.cli.common import (
     JsonOption,
     UsageError,
     about,
+    ends_with,
     note,
     one_of,
     plain,
@@ -22,7 +23,7 @@ from clerestory.cli.common import (
     table,
 )
 from clerestory.cli.measure.inputs import measurement_of, words_of
-from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep, stem_of
+from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep, stem_of, tell_written
 from clerestory.cli.measure.options import (
     ColumnOption,
     ConventionOption,
@@ -32,8 +33,10 @@ from clerestory.cli.measure.options import (
     FileSideOption,
     LaboratoryOption,
     SampleOption,
+    check_picture,
     choices_of,
 )
+from clerestory.cli.measure.tables import as_table
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -110,10 +113,9 @@ def formula(
 
     name = model.lower() if model.lower() in FORMULAS else one_of(model, "--model", tuple(FORMULAS))
     degree = _order(order)
-    if output is not None and not output.name.lower().endswith(_SUFFIXES):
-        raise UsageError(f"{output}: the name does not tell the format (end it with {', '.join(_SUFFIXES)})")
-    if picture is not None and picture.suffix.lower() not in (".png", ".pdf", ".svg"):
-        raise UsageError(f"--picture {picture}: not a kind of picture (give .png, .pdf or .svg)")
+    if output is not None:
+        ends_with(output, _SUFFIXES)
+    check_picture(picture)
     if not 2 <= resolution <= 8:
         raise UsageError(f"--resolution {resolution}: a whole number from 2 to 8")
     words = words_of(inputs, sample)
@@ -161,9 +163,7 @@ def formula(
         figures = plain([_as_json(one) for one in fits])
         what = "; ".join(line for one in fits for line in one.lines())
         steps = [{"step": "formula", "what": what, "figures": figures, "warnings": warnings}]
-        settings = {key: value for key, value in said.items() if value is not None}
-        scans, notes = measurement.scans, [note_] if note_ else []
-        result = Made([output], stem_of(output), settings, steps, scans=scans, notes=notes)
+        result = Made([output], stem_of(output), said, steps, scans=measurement.scans, note=note_)
         kept = keep(context, result, words, db)
     _tell(fits, measurement.sample, warnings, written, kept, as_json=as_json)
 
@@ -184,16 +184,12 @@ def _data_set(
     resolution: int,
     done: Callable[[float], object],
 ) -> tuple[Bsdf, list[str]]:
-    from clerestory.basis import Basis
     from clerestory.measure.formula import data_set
 
     bsdf, warnings = data_set(fits, name=name, resolution=resolution, progress=done)
     if basis is None and output.name.lower().endswith(".npz"):
         return bsdf, warnings
-    if basis in ("tensor3", "tensor4"):
-        rank = cast('Literal["tensor3", "tensor4"]', basis)
-        return bsdf.to_tree(rank, resolution=resolution, progress=done), warnings
-    return bsdf.to_matrix(Basis.named(basis or "klems-full"), progress=done), warnings
+    return as_table(bsdf, basis or "klems-full", resolution, done), warnings
 
 
 _HEAD = ("band", "side", "scatter", "model", "theta_i_deg", "parameter", "value", "standard_error")
@@ -241,10 +237,7 @@ def _tell(
             say(f"  as a material of a recipe: {{ {words} }}")
     for text in warnings:
         note(f"warning: {text}")
-    for path in written:
-        note(f"wrote {path}")
-    if kept is not None:
-        note(kept.words)
+    tell_written(written, kept)
 
 
 def _number(value: float, error: float) -> str:

@@ -8,9 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Literal, cast
 import typer
 
 from clerestory.cli.common import (
+    DATA_SETS,
+    TREES,
     JsonOption,
     UsageError,
     about,
+    ends_with,
     note,
     one_of,
     plain,
@@ -21,7 +24,7 @@ from clerestory.cli.common import (
     say,
 )
 from clerestory.cli.measure.inputs import measurement_of, words_of
-from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep, stem_of
+from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep, stem_of, tell_written
 from clerestory.cli.measure.options import (
     ColumnOption,
     ConventionOption,
@@ -31,6 +34,7 @@ from clerestory.cli.measure.options import (
     FileSideOption,
     LaboratoryOption,
     SampleOption,
+    check_picture,
     choices_of,
 )
 
@@ -44,8 +48,6 @@ if TYPE_CHECKING:
     from clerestory.measure.hybrid.reach import Key
     from clerestory.measure.interpolant import Method
     from clerestory.measure.prepare.symmetry import Symmetry
-
-_MODELS = (".xml", ".xml.gz", ".npz")
 
 
 def hybrid(
@@ -128,10 +130,8 @@ def hybrid(
     how = cast("Scale", one_of(scale, "--scale", SCALES))
     chosen_method = cast("Method", one_of(method, "--method", METHODS))
     chosen_symmetry = cast('Symmetry | Literal["auto"]', one_of(symmetry, "--symmetry", ("auto", *SYMMETRIES)))
-    if not output.name.lower().endswith(_MODELS):
-        raise UsageError(f"{output}: the name does not tell the format (end it with {', '.join(_MODELS)})")
-    if picture is not None and picture.suffix.lower() not in (".png", ".pdf", ".svg"):
-        raise UsageError(f"--picture {picture}: not a kind of picture (give .png, .pdf or .svg)")
+    ends_with(output, DATA_SETS)
+    check_picture(picture)
     if not 0.0 < blend <= 45.0:
         raise UsageError(f"--blend {blend:g}: not possible (give more than 0 and at most 45°)")
     table(basis, resolution, cull)  # what is no basis is refused before the long work
@@ -143,7 +143,7 @@ def hybrid(
     scans: tuple[Scan, ...] = ()
     model = None
     choices: dict[str, object] = {}
-    if len(words) == 1 and words[0].lower().endswith(_MODELS):
+    if len(words) == 1 and words[0].lower().endswith(DATA_SETS):
         model = Path(words[0])
         measured = read(model)
         warnings: list[str] = []
@@ -194,7 +194,7 @@ def hybrid(
             "date": date,
             **choices,
         }
-        if basis in ("tensor3", "tensor4"):
+        if basis in TREES:
             said |= {"resolution": resolution, "cull": cull}
         steps = [
             {
@@ -204,10 +204,7 @@ def hybrid(
                 "warnings": warnings,
             }
         ]
-        settings = {key: value for key, value in said.items() if value is not None}
-        result = Made(
-            [output], stem_of(output), settings, steps, scans=scans, model=model, notes=[note_] if note_ else []
-        )
+        result = Made([output], stem_of(output), said, steps, scans=scans, model=model, note=note_)
         kept = keep(context, result, words, db)
     _tell(made, warnings, name, written, kept, as_json=as_json)
 
@@ -259,7 +256,4 @@ def _tell(
         note(f"warning: {text}")
     for part in made.parts:
         say(part.words)
-    for path in written:
-        note(f"wrote {path}")
-    if kept is not None:
-        note(kept.words)
+    tell_written(written, kept)

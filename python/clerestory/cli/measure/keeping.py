@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import shlex
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clerestory.cli.common import CommandError, in_one_line, is_expected
+from clerestory.cli.common import CommandError, in_one_line, is_expected, note
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from clerestory.measure import Scan, SphereValues
     from clerestory.measure.database import Database, Origin
@@ -35,6 +35,7 @@ class Made:
     name: str
     """What it is to be called in the database."""
     settings: Mapping[str, object]
+    """As they were said; None for what was not."""
     steps: Sequence[Mapping[str, object]]
     kind: Kind = "model"
     scans: Sequence[Scan] = ()
@@ -44,7 +45,7 @@ class Made:
     """A data set that it was made from."""
     report: Path | None = None
     """A report on it."""
-    notes: Sequence[str] = field(default=())
+    note: str | None = None
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,14 @@ def keep(context: typer.Context, made: Made, words: Sequence[str], db: str | Non
             raise
         files = ", ".join(map(str, made.written[:3])) + (", …" if len(made.written) > 3 else "")
         raise CommandError(f"{files}: written, but not kept in the database: {in_one_line(error)}") from error
+
+
+def tell_written(written: Iterable[Path], kept: Kept | None) -> None:
+    """Say which files there are now, and where the result is kept."""
+    for path in written:
+        note(f"wrote {path}")
+    if kept is not None:
+        note(kept.words)
 
 
 def stem_of(path: Path) -> str:
@@ -123,15 +132,14 @@ def _kept(database: Database, made: Made, command: str) -> Kept:
             sphere_values=made.spheres,
             parents=parents,
             command=command,
-            settings=made.settings,
+            settings={key: value for key, value in made.settings.items() if value is not None},
             kind=made.kind,
             steps=made.steps,
             files=files,
         )
         new = number not in before
-        for text in made.notes:
-            if all(known.text != text for known in database.notes("model", number)):
-                database.note("model", number, text)
+        if made.note and all(known.text != made.note for known in database.notes("model", number)):
+            database.note("model", number, made.note)
         report = _report(database, made.report, number) if made.report is not None else None
     verb = "kept in {}" if new else "{} has it already, byte by byte,"
     words = f"{verb.format(place)} as {database.model(number).words} of {sample}"

@@ -10,6 +10,7 @@ from clerestory.cli.common import UsageError, angle_pair, one_of, scatter_of, si
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from clerestory.measure.database import Database
 
@@ -52,7 +53,7 @@ ColumnOption = Annotated[
 ]
 
 
-_CONVENTIONS = ("clerestory", "hslu", "window", "pab", "pab-up-90")
+CONVENTIONS = ("clerestory", "hslu", "window", "pab", "pab-up-90")
 
 
 def choices_of(
@@ -70,7 +71,7 @@ def choices_of(
             raise UsageError(
                 f"--convention {' '.join(named)}: several names (give one, and KEY=VALUE for what differs)"
             )
-        choices["convention"] = one_of(named[0], "--convention", (*_CONVENTIONS, "a pair such as up_deg=0"))
+        choices["convention"] = one_of(named[0], "--convention", (*CONVENTIONS, "a pair such as up_deg=0"))
     for key, value in _pairs([word for word in convention or [] if "=" in word], "--convention", "up_deg=0"):
         if key not in ("front", "seen_from", "up_deg"):
             raise UsageError(f"--convention {key}={value}: not known (give front, seen_from or up_deg)")
@@ -78,6 +79,12 @@ def choices_of(
     if column:
         choices["columns"] = dict(_pairs(column, "--column", "theta=polar"))
     return choices
+
+
+def check_picture(picture: Path | None) -> None:
+    """Fail if a picture's name tells no kind of picture."""
+    if picture is not None and picture.suffix.lower() not in (".png", ".pdf", ".svg"):
+        raise UsageError(f"--picture {picture}: not a kind of picture (give .png, .pdf or .svg)")
 
 
 def incident_of(text: str | None) -> tuple[float | None, float | None]:

@@ -13,6 +13,7 @@ from clerestory.cli.common import JsonOption, UsageError, note, one_of, plain, p
 from clerestory.cli.measure.inputs import measurement_of, refuse_to_write_over, words_of
 from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep
 from clerestory.cli.measure.options import (
+    CONVENTIONS,
     ColumnOption,
     ConventionOption,
     DatabaseOption,
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from clerestory.measure import Measurement
     from clerestory.measure.prepare.together import Level
 
-_PRESETS = ("clerestory", "hslu", "window", "pab", "pab-up-90")
 _SYMMETRIES = ("auto", "isotropic", "quadrilateral", "left-right", "up-down", "rotational", "none")
 
 
@@ -51,7 +51,7 @@ def prepare(
         typer.Option(
             "--preset",
             metavar="NAME",
-            help=f"Whose angles the files hold as they stand: {', '.join(_PRESETS[1:])}.",
+            help=f"Whose angles the files hold as they stand: {', '.join(CONVENTIONS[1:])}.",
         ),
     ] = None,
     detector_cone: Annotated[
@@ -121,7 +121,7 @@ def prepare(
         raise UsageError("--preset and --convention NAME say the same of angles twice (leave one out)")
     measurement = measurement_of(words, db, sample, choices, laboratory=laboratory, date=date)
     settings = Settings(
-        convention=None if preset is None else one_of(preset, "--preset", _PRESETS),
+        convention=None if preset is None else one_of(preset, "--preset", CONVENTIONS),
         detector_cone_deg=detector_cone,
         level=chosen,
         grazing_deg=limit,
@@ -146,7 +146,7 @@ def prepare(
             cast("list[dict[str, object]]", plain(done.record())),
             kind="scans",
             scans=measurement.scans,
-            notes=[note_] if note_ else [],
+            note=note_,
         )
         kept = keep(context, result, words, db)
     if as_json:

@@ -11,6 +11,7 @@ from clerestory.cli.common import (
     JsonOption,
     UsageError,
     about,
+    ends_with,
     list_shipped,
     note,
     print_json,
@@ -100,8 +101,8 @@ def _check_names(output: Path | None, target: str, curves: Path | None) -> None:
     """Refuse names before any work is done."""
     from clerestory.cli.common import one_of
 
-    if output is not None and not output.name.lower().endswith(SUFFIXES):
-        raise UsageError(f"{output}: the name does not tell the format (end it with {', '.join(SUFFIXES)})")
+    if output is not None:
+        ends_with(output, SUFFIXES)
     if curves is not None and curves.suffix.lower() not in (".csv", *PICTURES):
         raise UsageError(f"--curves {curves}: the name does not tell the format (end it with .csv, .png, .pdf or .svg)")
     one_of(target, "--for", ("plain", "radiance", "window", "energyplus"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,6 +34,22 @@ _RADII = 3
 """Incident directions a cell."""
 _BEAM_STEPS = 181
 _TOTAL_CELLS = 128
+
+
+@dataclass(frozen=True)
+class _Cells:
+    """Outgoing directions, the same for all incident ones."""
+
+    n: int
+    """Cells an axis."""
+    middles: Floats
+    """(n², 3)."""
+    fine: Floats
+    """Of the parts of cells over which what is smooth is averaged."""
+
+    @classmethod
+    def of(cls, n: int) -> _Cells:
+        return cls(n, _core.square_directions(n), _core.square_directions(_ACROSS * n))
 
 
 def data_set(
@@ -92,8 +109,7 @@ def scattered_total(one: Fitted, theta_deg: float, phi_deg: float) -> float:
     """Direct-hemispherical value of the scattered light for one incident angle [°]."""
     theta, phi = np.radians([theta_deg, phi_deg])
     travel = -np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi)])
-    cells = _core.square_directions(_TOTAL_CELLS)
-    return float(_column(one, travel, cells, _TOTAL_CELLS).mean() * np.pi)
+    return float(_column(one, travel, _Cells.of(_TOTAL_CELLS)).mean() * np.pi)
 
 
 def _table(one: Fitted) -> list[str]:
@@ -112,18 +128,18 @@ def _within(progress: Callable[[float], object] | None, number: int, count: int)
 def _grid(one: Fitted, resolution: int, progress: Callable[[float], object]) -> tuple[NDArray[np.float32], float]:
     """BSDF of all cells, and the largest direct-hemispherical value before it was limited."""
     n = 1 << resolution
-    cells = _core.square_directions(n)
+    cells = _Cells.of(n)
     if one.formula.isotropic:
         edges = 1.0 - 2.0 * np.arange(n // 2 + 1) / n
         share = (np.arange(_RADII) + 0.5) / _RADII
         radii = np.sqrt(edges[1:, None] ** 2 + share * (edges[:-1, None] ** 2 - edges[1:, None] ** 2))
         travels = np.stack([radii, np.zeros_like(radii)], axis=-1)
     else:
-        travels = cells[:, None, :2]
+        travels = cells.middles[:, None, :2]
     values = np.empty((len(travels), n * n), dtype=np.float32)
     most = 0.0
     for k, inside in enumerate(travels):
-        column = np.mean([_column(one, travel, cells, n) for travel in inside], axis=0)
+        column = np.mean([_column(one, travel, cells) for travel in inside], axis=0)
         theta = np.degrees(np.arcsin(np.clip(np.hypot(*inside.mean(axis=0)), 0.0, 1.0)))
         scattered, beam = float(column.mean() * np.pi), float(one.specular(theta))
         most = max(most, scattered + beam)
@@ -135,19 +151,18 @@ def _grid(one: Fitted, resolution: int, progress: Callable[[float], object]) -> 
     return values.reshape((n // 2, n, n) if one.formula.isotropic else (n, n, n, n)), most
 
 
-def _column(one: Fitted, travel: Floats, cells: Floats, n: int) -> Floats:
+def _column(one: Fitted, travel: Floats, cells: _Cells) -> Floats:
     """Mean BSDF of the outgoing cells (n², ) for light that travels toward a point of the disk.
 
     In direction cosines an area of the disk is a projected solid angle, so rings about the direction in which light
     goes on sum a peak of any width exactly into the cells that it falls into.
     """
     incident = np.array([-travel[0], -travel[1], np.sqrt(max(1.0 - float(travel @ travel), 0.0))])
-    width = 2.0 / n
-    fine = _core.square_directions(_ACROSS * n)
-    smooth = one.evaluate(incident, fine).reshape(n, _ACROSS, n, _ACROSS).mean(axis=(1, 3)).ravel()
+    n, width = cells.n, 2.0 / cells.n
+    smooth = one.evaluate(incident, cells.fine).reshape(n, _ACROSS, n, _ACROSS).mean(axis=(1, 3)).ravel()
     if one.formula.about == "normal":
         return np.asarray(smooth)
-    near = np.hypot(cells[:, 0] - travel[0], cells[:, 1] - travel[1]) < _NEAR * width
+    near = np.hypot(cells.middles[:, 0] - travel[0], cells.middles[:, 1] - travel[1]) < _NEAR * width
     edges = np.concatenate([[0.0], np.geomspace(_FINEST, (_NEAR + 3.0) * width, _RINGS)])
     turn = 2.0 * np.pi * (np.arange(_SECTORS) + 0.5) / _SECTORS
     radius = np.sqrt(0.5 * (edges[:-1] ** 2 + edges[1:] ** 2))
