@@ -37,7 +37,7 @@ def test_json_is_all_that_is_printed(town, capsys):
     made = json.loads(out)
     assert made["sums_kwh_m2"]["direct_normal"] == pytest.approx(1.35)
     assert (made["steps"], made["is_year"], made["time_zone"]) == (3, False, 1.0)
-    assert made["findings"][-1]["check"] == "extent"
+    assert [finding["check"] for finding in made["findings"]] == ["gap", "extent", "nights"]
 
 
 @pytest.mark.parametrize("suffix", ["png", "pdf", "svg", "wea"])
