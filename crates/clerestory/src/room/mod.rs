@@ -36,6 +36,7 @@ pub use sunlit::Sunlit;
 pub use window::{System, Window};
 
 use std::f64::consts::TAU;
+use std::sync::OnceLock;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Extent, Geometry, Mesh, Scene, Vec3};
@@ -85,7 +86,8 @@ pub struct Room {
     windows: Vec<Window>,
     lights: Vec<(Polygon, Rgb)>,
     emitters: Emitters,
-    openings: Openings,
+    /// Found when a matrix first asks.
+    openings: OnceLock<Openings>,
     sky: Sky,
     sun: Option<Disc>,
 }
@@ -175,7 +177,7 @@ impl Room {
         }
         Ok(Self {
             emitters: Emitters::new(&made, &shining),
-            openings: Openings::new(&made, &mesh),
+            openings: OnceLock::new(),
             mesh,
             roles,
             materials,
@@ -195,6 +197,12 @@ impl Room {
     /// The sky outside.
     pub fn sky(&self) -> &Sky {
         &self.sky
+    }
+
+    /// Whether all of a window is certainly seen from a point.
+    fn is_clear(&self, number: usize, from: Vec3) -> bool {
+        let openings = self.openings.get_or_init(|| Openings::new(&self.windows, &self.mesh));
+        openings.is_clear(&self.windows, number, from)
     }
 
     /// Radiance of the sky or the ground, with the sun's disc if that is asked for.

@@ -80,6 +80,11 @@ pub(super) struct Tracer<'a> {
     pub(super) ends: Ends,
 }
 
+/// Into how small parts a window is divided (rad): coarser if each takes a ray.
+fn parted(clear: bool, fineness: f64) -> f64 {
+    if clear { fineness } else { COARSER * fineness }
+}
+
 impl<'a> Tracer<'a> {
     pub(super) fn new(room: &'a Room) -> Self {
         Self {
@@ -224,7 +229,7 @@ impl<'a> Tracer<'a> {
         } else {
             let (polygon, point) = (window.polygon(), ray.origin);
             let from = point - ray.direction * hit.distance;
-            let fineness = self.fineness(number as usize, from, state.fineness);
+            let fineness = parted(room.is_clear(number as usize, from), state.fineness);
             let area = area_about(polygon, from, fineness, point);
             let asked = density(area, polygon.normal(), ray.direction, hit.distance);
             state.density / (state.density + asked)
@@ -404,9 +409,8 @@ impl<'a> Tracer<'a> {
             if (polygon.corners()[0] - ray.origin).dot(normal) >= 0.0 {
                 continue;
             }
-            let clear = room.openings.is_clear(&room.windows, number, ray.origin);
-            let fineness = self.fineness(number, ray.origin, state.fineness);
-            pieces(polygon, ray.origin, fineness, &mut |piece| {
+            let clear = room.is_clear(number, ray.origin);
+            pieces(polygon, ray.origin, parted(clear, state.fineness), &mut |piece| {
                 let way = piece.sample(r2(count, shift)) - ray.origin;
                 count += 1;
                 let distance = way.length();
@@ -429,12 +433,6 @@ impl<'a> Tracer<'a> {
                 }
             });
         }
-    }
-
-    /// Into how small parts a window is divided as seen from a point (rad): coarser if each takes a ray.
-    fn fineness(&self, number: usize, from: Vec3, fineness: f64) -> f64 {
-        let clear = self.room.openings.is_clear(&self.room.windows, number, from);
-        if clear { fineness } else { COARSER * fineness }
     }
 
     /// Notes light from a direction, times a factor, that a surface scatters back along the path.

@@ -350,7 +350,7 @@ fn divide(points: &[Point], weights: &[f64], rest: &[f64], buckets: &Buckets<'_>
 }
 
 /// Amplitudes of 0 or more by least squares, coordinate after coordinate, and what they leave of the points' values. Where points
-/// say little a lobe is like its neighbours.
+/// say little a lobe is small.
 fn solve(points: &[Point], weights: &[f64], cells: &mut [Cell]) -> Vec<f64> {
     const SWEEPS: usize = 60;
     const ASKED: usize = 4;
@@ -363,7 +363,7 @@ fn solve(points: &[Point], weights: &[f64], cells: &mut [Cell]) -> Vec<f64> {
             rest[k as usize] -= v * cell.amplitude;
         }
     }
-    // Curvature, and the strength of the tie to the neighbours: as that of a lobe with a point of the mean weight about it.
+    // Curvature, and the pull toward 0: as that of a lobe with a point of the mean weight about it.
     let stiffness: Vec<(f64, f64)> = cells
         .iter()
         .map(|cell| {
