@@ -5,12 +5,15 @@ import json
 import numpy as np
 import pytest
 
-from clerestory import Basis, Bsdf, ClerestoryError, Model
+from clerestory import Basis, Bsdf, ClerestoryError, Model, trace
+from clerestory.directions import direction
 from clerestory.system import family
+from clerestory.system.dataset import data_set
 from clerestory.system.family import place
 from clerestory.system.family.family import Family, State
 from clerestory.system.product import Curve, product_of
 
+SIDES = [(side, scatter) for side in ("exterior", "interior") for scatter in ("transmission", "reflection")]
 QUARTER = Basis.named("klems-quarter")
 NORMAL = np.array([0.0, 0.0, -1.0])
 BLIND = """
@@ -98,6 +101,70 @@ def test_a_height_mixes_the_product_with_an_opening(tmp_path):
     whole = float(made.states[2].bsdf.integrate(NORMAL, "transmission"))
     found = [float(s.bsdf.integrate(NORMAL, "transmission")) for s in made.states]
     np.testing.assert_allclose(found, [1.0, 0.75 + 0.25 * whole, whole], rtol=1e-6)
+
+
+PANE = '[[layers]]\nkind = "glass"\nglass = "clear"\nthickness_mm = 4\n'
+SHARP = '[system]\nresolution = "layers"\n' + PANE
+OVER_GLASS = """
+[system]
+resolution = "layers"
+basis = "klems-quarter"
+[[layers]]
+kind = "glass"
+glass = "clear"
+thickness_mm = 4
+[[layers]]
+kind = "gap"
+gas = "air"
+width_mm = 20
+[[layers]]
+kind = "recipe"
+samples = 16
+recipe = "blind.toml"
+"""
+HALF = '[family]\nparameter = "height"\nvalues = [0, 0.5, 1]\nbasis = "klems-quarter"\nsamples = 16\n'
+AT_33 = direction(33.0, 90.0)
+
+
+@pytest.mark.parametrize("without", ["sharp.toml", "pane.toml", "blind.toml", "pane.npz", "flat-blind"])
+def test_the_window_without_the_product_is_named_as_everywhere(tmp_path, without):
+    written(tmp_path, BLIND, "blind.toml")
+    written(tmp_path, PANE, "pane.toml")
+    written(tmp_path, SHARP, "sharp.toml")
+    Bsdf.from_models({"visible": dict.fromkeys(SIDES, Model.specular(0.4))}).save(tmp_path / "pane.npz")
+
+    def few(sample, **settings):
+        return trace.measure(sample, **{**settings, "samples": 16})
+
+    planned = family.load(written(tmp_path, f'{HALF}without = "{without}"\n' + BLIND))
+    made = planned.make(few)
+    alone = data_set(without, tmp_path, traced=few)
+    assert set(alone.sources) <= set(planned.sources)
+    assert [s.bsdf.bands for s in made.states] == [("visible",)] * 3
+    # Half of the window is as it is without the product, half as it is with it, for beams as for all light.
+    for part in ("all", "direct"):
+        open_, half, lowered = (float(s.bsdf.integrate(AT_33, "transmission", part=part)) for s in made.states)
+        assert half == pytest.approx(0.5 * (open_ + lowered), abs=1e-6)
+        assert open_ == pytest.approx(float(alone.bsdf.integrate(AT_33, "transmission", band="visible", part=part)))
+
+
+def test_over_sharp_glass_both_windows_are_sharp(tmp_path):
+    written(tmp_path, BLIND, "blind.toml")
+    written(tmp_path, SHARP, "sharp.toml")
+    head = HALF.replace('basis = "klems-quarter"\nsamples = 16', 'without = "sharp.toml"')
+    planned = family.load(written(tmp_path, head + OVER_GLASS))
+    made = planned.make()
+    # A pane sends light straight on, and what it lets through at 33° is its own, not that of a patch.
+    through = float(made.states[0].bsdf.integrate(AT_33, "transmission"))
+    assert through == float(made.states[0].bsdf.integrate(AT_33, "transmission", part="direct"))
+    assert through == pytest.approx(0.8878, abs=5e-4)
+    assert "clear 4 mm: solar, nir left out, which the product has not" in planned.notes
+    sharp = data_set("sharp.toml", tmp_path).bsdf
+    assert made.states[0].bsdf.metadata.emissivity_exterior == pytest.approx(0.84, abs=0.01)
+    sharp.only_band("solar").save(tmp_path / "solar.npz")
+    planned = family.load(written(tmp_path, HALF + 'without = "solar.npz"\n' + BLIND))
+    with pytest.raises(ClerestoryError, match=r"^family.without: .* has solar, the product visible \(build both"):
+        planned.make()
 
 
 def test_between_states_is_a_mixture_by_distance():

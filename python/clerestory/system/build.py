@@ -46,6 +46,15 @@ class Specified:
     folder: Path
     """That its files are relative to."""
 
+    @property
+    def is_sharp(self) -> bool:
+        """Whether it asks for its layers' own resolution rather than patches."""
+        return self.specification.system.resolution == "layers"
+
+    def bsdf(self) -> Bsdf:
+        """Its data set at the resolution that it asks for."""
+        return self.sharpened() if self.is_sharp else self.solve().bsdf
+
     def solve(self) -> Built:
         """On the patches that it asks for."""
         keys = self.specification.system

@@ -26,6 +26,8 @@ class DataSet:
     """Files that were read for it."""
     is_stored: bool
     """Whether its one source is a BSDF file, whose bytes tell all that it holds."""
+    window: build.Specified | None = None
+    """Its layers, where it is the data set of a specification."""
 
 
 def data_set(
@@ -112,8 +114,7 @@ def _find(given: str, folder: Path) -> Path:
 
 
 def _solved(made: build.Specified) -> DataSet:
-    is_sharp = made.specification.system.resolution == "layers"
-    return DataSet(made.sharpened() if is_sharp else made.solve().bsdf, made.name, made.sources, is_stored=False)
+    return DataSet(made.bsdf(), made.name, made.sources, is_stored=False, window=made)
 
 
 def _of_sample(path: Path, traced: Traced | None) -> DataSet:

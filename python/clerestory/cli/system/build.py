@@ -111,11 +111,10 @@ def _check_names(output: Path | None, target: str, curves: Path | None) -> None:
 def _write(made: Specified, built: Built, output: Path, target: str) -> None:
     from clerestory.cli.common import one_of
 
-    sharp = made.specification.system.resolution == "layers"
     if output.name.lower().endswith(".npz"):
-        (made.sharpened() if sharp else built.bsdf).save(output)
+        (made.sharpened() if made.is_sharp else built.bsdf).save(output)
         return
-    if sharp:
+    if made.is_sharp:
         raise UsageError(
             f"{output}: XML holds no beams beside tables (end the name with .bsdf.npz, or set system.resolution to "
             "patches)"

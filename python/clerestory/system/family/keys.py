@@ -32,7 +32,8 @@ class FamilyKeys(TracedKeys):
     """Recipe of a sample or specification of a window, by its file or the name under which it comes with Clerestory; or
     its tables stand beside this one."""
     without: str | None = None
-    """For height: the window where the product is not, as a specification or a BSDF file; an opening by default."""
+    """For height: the window where the product is not, named as a room's data sets are: a BSDF file, a specification,
+    a recipe, or a name of one that comes with Clerestory; an opening by default."""
 
     @model_validator(mode="after")
     def _sound(self) -> Self:

@@ -12,6 +12,7 @@ from clerestory.bsdf import Bsdf
 from clerestory.model import Model
 from clerestory.system import build
 from clerestory.system.components import components_of_sample, components_of_window
+from clerestory.system.dataset import data_set
 from clerestory.system.exchange import described
 from clerestory.system.family import place as places
 from clerestory.system.family.family import Family, State, mixed, state_name
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
     from clerestory.system.build import Traced
     from clerestory.system.family.place import Place
     from clerestory.system.product import ProductKeys
-
-_SUFFIXES = (".xml", ".xml.gz", ".npz")
 
 
 @dataclass(frozen=True)
@@ -126,10 +125,7 @@ class Planned:
         if self.product.is_window:
             made = build.load(tables, folder=self.product.folder, traced=traced)
             self.sources.extend(path for path in made.sources if path not in self.sources)
-            sharp = made.specification.system.resolution == "layers"
-            bsdf, notes = described(made, made.sharpened() if sharp else made.solve().bsdf)
-            self.notes.extend(note for note in notes if note not in self.notes)
-            return bsdf, components_of_window(made)
+            return self._described(made, made.bsdf()), components_of_window(made)
         sample = trace.Sample(Recipe.of(tables), self.product.folder)
         keys = self.keys
         measured = (traced or trace.measure)(
@@ -150,20 +146,30 @@ class Planned:
                 {band: {key: _opening(*key) for key in members} for band, members in product.models.items()}
             )
         try:
-            if given.lower().endswith(_SUFFIXES):
-                from clerestory.files import read
-
-                self.sources.append(self.folder / given)
-                return read(self.folder / given)
-            made = build.load(self.folder / given if Path(given).suffix else given, traced=traced)
-            self.sources.extend(made.sources)
-            return described(made, made.solve().bsdf)[0]
+            found = data_set(given, self.folder, traced=traced)
         except FileNotFoundError:
             raise RecipeError(
                 f"family.without: {self.folder / given} does not exist (check it; it is relative to the specification)"
             ) from None
         except ClerestoryError as error:
             raise RecipeError(f"family.without: {error}") from None
+        self.sources.extend(path for path in found.sources if path not in self.sources)
+        bsdf = found.bsdf if found.window is None else self._described(found.window, found.bsdf)
+        beyond = [band for band in bsdf.bands if band not in product.bands]
+        if not beyond:
+            return bsdf
+        if len(beyond) == len(bsdf.bands):
+            raise RecipeError(
+                f"family.without: {found.name} has {', '.join(bsdf.bands)}, the product {', '.join(product.bands)} "
+                "(build both with the same bands)"
+            )
+        self.notes.append(f"{found.name}: {', '.join(beyond)} left out, which the product has not")
+        return Bsdf.merged([bsdf.only_band(band) for band in bsdf.bands if band not in beyond])
+
+    def _described(self, made: build.Specified, bsdf: Bsdf) -> Bsdf:
+        found, notes = described(made, bsdf)
+        self.notes.extend(note for note in notes if note not in self.notes)
+        return found
 
 
 def load(source: str | os.PathLike[str]) -> Planned:
