@@ -1,4 +1,4 @@
-"""A synthetic laboratory: samples of known BSDF, seen as a goniophotometer sees them.
+"""Samples of lobes whose totals are known, in the synthetic laboratory, as a scanning goniophotometer sees them.
 
 Incident directions every 10° of θ (to 80°) and 15° of φ; an even scan of the outgoing hemisphere to 80° and fine ones
 about the peaks; a cone of 1.5°, which widens all that is narrow; noise that is alike in DSF, and 1 % of the value.
@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clerestory.directions import angles, direction
-from clerestory.measure import Measurement, Scan
+import synthetic_lab
+from clerestory.directions import angles
+from clerestory.measure import Measurement
 
 #: One standard deviation an axis of the cone of 1.5° [rad].
 CONE = np.radians(1.5) / 4.0
@@ -153,25 +154,22 @@ def _cap(axis, radius, count):
 
 
 def scan(sample, theta_deg, phi_deg, *, noise=2e-4, relative=0.01, seed=0, spacing_deg=3.0, fine=28):
-    """One scan: transmission from the exterior."""
+    """One scan: transmission from the exterior, even and fine about narrow peaks."""
     at = travel(theta_deg, phi_deg)
-    _, lobes = SAMPLES[sample](at)
-    rings = [np.array([[0.0, 0.0, 1.0]])]
-    for ring_deg in np.arange(spacing_deg, TOP_DEG + 1e-9, spacing_deg):
-        count = max(6, round(360.0 * np.sin(np.radians(ring_deg)) / spacing_deg))
-        azimuths = np.arange(count) * 360.0 / count + 7.0 * ring_deg
-        rings.append(direction(np.full(count, ring_deg), azimuths, side="interior"))
-    for lobe in lobes:
+    places = [synthetic_lab.hemisphere(spacing_deg, TOP_DEG, lambda ring: 7.0 * ring)]
+    for lobe in SAMPLES[sample](at)[1]:
         if lobe.width < np.radians(2.0):
             near, _ = _cap(lobe.axis, np.radians(5.0), fine)
-            rings.append(near[near[:, 2] > np.cos(np.radians(TOP_DEG))])
-    outgoing = np.concatenate(rings)
-    values = bsdf(sample, at, outgoing)
-    rng = np.random.default_rng([seed, round(10 * theta_deg), round(10 * phi_deg)])
-    error = np.hypot(noise / np.maximum(outgoing[:, 2], 0.02), relative * values)
-    values = values + error * rng.standard_normal(len(values))
-    theta, phi = angles(outgoing)
-    return Scan("exterior", "transmission", theta_deg, phi_deg, theta, phi, values[:, None])
+            places.append(angles(near[near[:, 2] > np.cos(np.radians(TOP_DEG))]))
+    return synthetic_lab.scan(
+        lambda _incident, outgoing, _scatter: bsdf(sample, at, outgoing),
+        theta_deg,
+        phi_deg,
+        points=np.concatenate(places, axis=1),
+        noise_dsf=noise,
+        relative=relative,
+        seed=[seed, round(10 * theta_deg), round(10 * phi_deg)],
+    )
 
 
 def measured(sample, *, isotropic=False, seed=0, phis_deg=None, **options):

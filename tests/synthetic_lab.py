@@ -9,13 +9,13 @@ from clerestory.integrals import continued
 from clerestory.measure import Measurement, Scan
 
 
-def hemisphere(step_deg=5.0, top_deg=85.0):
-    """Angles of a spiral-like scan: rings of about equal spacing."""
+def hemisphere(step_deg=5.0, top_deg=85.0, first_deg=lambda _ring: 3.0):
+    """Angles of an even scan: rings of about equal spacing, each from the azimuth of its first point on."""
     theta, phi = [0.0], [0.0]
     for ring in np.arange(step_deg, top_deg + 1e-9, step_deg):
         count = max(6, round(360.0 * np.sin(np.radians(ring)) / step_deg))
         theta += [ring] * count
-        phi += list(np.arange(count) * 360.0 / count + 3.0)
+        phi += list(np.arange(count) * 360.0 / count + first_deg(ring))
     return np.array(theta), np.array(phi)
 
 
@@ -71,17 +71,19 @@ def scan(
     scatter="transmission",
     points=None,
     noise_dsf=0.0,
+    relative=0.0,
     seed=0,
     **changes,
 ):
-    """One scan of a sample, with noise that is the same in all directions in DSF."""
+    """One scan of a sample, with noise that is the same in all directions in DSF, and a share of the value."""
     theta, phi = hemisphere() if points is None else points
     incident = direction(theta_deg, phi_deg, side=side)
     outgoing = direction(theta, phi, side=outgoing_side(side, scatter))
     values = sample(incident, outgoing, scatter)
-    if noise_dsf:
+    if noise_dsf or relative:
         cosine = np.maximum(np.cos(np.radians(theta)), 1e-3)
-        values = values + noise_dsf * np.random.default_rng(seed).standard_normal(len(theta)) / cosine
+        error = np.hypot(noise_dsf / cosine, relative * values)
+        values = values + error * np.random.default_rng(seed).standard_normal(len(theta))
     made = Scan(side, scatter, theta_deg, phi_deg, theta, phi, values[:, None])
     return replace(made, **changes) if changes else made
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Literal
 from clerestory import _core
 from clerestory.basis import Basis
 from clerestory.bsdf import Bsdf
+from clerestory.endings import is_bsdf, stem_of
 from clerestory.whole import write_whole
 
 if TYPE_CHECKING:
@@ -77,13 +78,13 @@ def write(bsdf: Bsdf, path: str | os.PathLike[str], *, target: Target = "plain")
     path = Path(path)
     name = path.name.lower()
     with named(path):
+        if not is_bsdf(path):
+            raise _core.ClerestoryError("the name does not tell the format (end it with .xml, .xml.gz or .bsdf.npz)")
         if name.endswith(".npz"):
             if target != "plain":
                 raise _core.ClerestoryError(f"{target} reads no .npz (write an .xml for it)")
             import_module("clerestory.npz").save(bsdf, path)
             return []
-        if not name.endswith((".xml", ".xml.gz")):
-            raise _core.ClerestoryError("the name does not tell the format (end it with .xml, .xml.gz or .bsdf.npz)")
         data, notes = bsdf._core.to_xml(target, name.endswith(".gz"))
     write_whole(path, data)
     return notes
@@ -95,11 +96,11 @@ def default_labels(paths: Sequence[str | os.PathLike[str] | None]) -> list[str]:
     Files of one name are told apart by their folders or, in the end, by numbers, and so are data sets without a file.
     """
     files = [None if p is None else Path(p) for p in paths]
-    stems = [f"data set {k + 1}" if p is None else _stem(p) for k, p in enumerate(files)]
+    stems = [f"data set {k + 1}" if p is None else stem_of(p) for k, p in enumerate(files)]
     for depth in (1, 2):
         again = Counter(stems)
         stems = [
-            "/".join([*p.resolve().parent.parts[-depth:], _stem(p)]) if p and again[s] > 1 else s
+            "/".join([*p.resolve().parent.parts[-depth:], stem_of(p)]) if p and again[s] > 1 else s
             for s, p in zip(stems, files, strict=True)
         ]
     again, seen, unique = Counter(stems), Counter[str](), []
@@ -107,14 +108,6 @@ def default_labels(paths: Sequence[str | os.PathLike[str] | None]) -> list[str]:
         seen[stem] += 1
         unique.append(f"{stem} ({seen[stem]})" if again[stem] > 1 else stem)
     return unique
-
-
-def _stem(path: Path) -> str:
-    name = path.name
-    for suffix in (".gz", ".xml", ".npz", ".bsdf"):
-        if name.lower().endswith(suffix) and len(name) > len(suffix):
-            name = name[: -len(suffix)]
-    return name
 
 
 @contextmanager

@@ -151,7 +151,11 @@ def test_an_illuminance_that_is_far_off_is_said(folder, capsys):
         (["IMG_4000.JPG", "IMG_4001.JPG", "--spot", "3=5"], 2, "not a place and a luminance"),
         (["IMG_4000.JPG", "IMG_4001.JPG", "--projection", "fisheye"], 2, "--projection fisheye: not known"),
         (["IMG_4000.JPG", "IMG_4001.JPG", "--centre", "3"], 2, "2 numbers"),
-        (["IMG_4000.JPG", "IMG_4001.JPG", "--vignetting", "no.csv"], 1, "no.csv: no such file"),
+        (
+            ["IMG_4000.JPG", "IMG_4001.JPG", "--vignetting", "no.csv"],
+            1,
+            "--vignetting: no.csv does not exist (check it",
+        ),
         (["IMG_4000.JPG", "IMG_4001.JPG", "--response", "session.toml"], 1, "session.toml: not a response"),
         (["IMG_4000.JPG", "IMG_4001.JPG", "--calibrate-by-illuminance"], 2, "--illuminance: the calibration"),
         (["IMG_4000.JPG", "IMG_4001.JPG", "--factor", "1", "--spot", "3,4=5"], 2, "exclude each other"),

@@ -27,6 +27,7 @@ from clerestory.picture import View
 from clerestory.room.systems import system_of
 from clerestory.room.world import load_beside
 from clerestory.trace.keys import Keys, Positive, RecipeError, wrong
+from clerestory.trace.reading import reading
 from clerestory.trace.recipe import read_toml
 from clerestory.weather import Hours, SkyYear, read_weather, synthetic_year
 
@@ -323,7 +324,8 @@ class Study:
 
     def _weather(self, folder: Path) -> Weather:
         if self.recipe.weather is not None:
-            return read_weather(folder / self.recipe.weather)
+            with reading("weather"):
+                return read_weather(folder / self.recipe.weather)
         place = self.room.recipe.place
         if place is None:
             raise RecipeError("weather: there is no file, and the room has no place to make one up for (give a file)")

@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from clerestory.endings import is_bsdf, stem_of
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
@@ -43,8 +45,6 @@ ScatterOption = Annotated[
 ]
 SIDE_NAMES = ("exterior", "interior")
 SCATTER_NAMES = ("transmission", "reflection")
-DATA_SETS = (".xml", ".xml.gz", ".npz")
-"""Endings of BSDF files."""
 TREES: tuple[Literal["tensor3", "tensor4"], ...] = ("tensor3", "tensor4")
 """What is named in place of a basis for a tensor tree."""
 
@@ -282,19 +282,16 @@ def kept(keep: Callable[[Path], str], output: Path, *, resume: bool) -> Iterator
 
 def partial_of(output: Path, *, must_exist: bool = False) -> Path:
     """Where interrupted work is kept until its output can be written."""
-    name = output.name
-    for suffix in (".bsdf.npz", ".xml.gz", output.suffix):
-        name = name.removesuffix(suffix)
-    partial = output.with_name(f"{name}.partial.npz")
+    partial = output.with_name(f"{stem_of(output).removesuffix(output.suffix)}.partial.npz")
     if must_exist and not partial.exists():
         raise UsageError(f"--resume: there is no {partial} (leave --resume out to start)")
     return partial
 
 
-def ends_with(output: Path, endings: tuple[str, ...]) -> None:
-    """Fail if a file's name tells none of the formats that there are."""
-    if not output.name.lower().endswith(endings):
-        raise UsageError(f"{output}: the name does not tell the format (end it with {', '.join(endings)})")
+def check_bsdf_name(output: Path) -> None:
+    """Fail if an output's name tells none of the formats of BSDF files."""
+    if not is_bsdf(output):
+        raise UsageError(f"{output}: the name does not tell the format (end it with .xml, .xml.gz or .bsdf.npz)")
 
 
 def refuse_overwriting(output: Path, inputs: Sequence[Path]) -> None:

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from clerestory.cli.common import (
-    DATA_SETS,
     TREES,
     JsonOption,
     UsageError,
     about,
+    check_bsdf_name,
     note,
     one_of,
     print_json,
@@ -138,8 +138,7 @@ def convert(
     if not isfinite(rotate):
         raise UsageError(f"--rotate {rotate:g}: not an angle (give degrees, such as 90)")
     wanted = next(t for t in TARGETS if t == one_of(target, "--for", TARGETS))
-    if not output.name.lower().endswith(DATA_SETS):
-        raise UsageError(f"{output}: the name does not tell the format (end it with .xml, .xml.gz or .bsdf.npz)")
+    check_bsdf_name(output)
     refuse_overwriting(output, inputs)
     bands = _bands_of(band_of or [], inputs)
     side = None if assume_side is None else side_of(assume_side, "--assume-side")

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from clerestory.cli.common import (
+    CommandError,
     JsonOption,
     UsageError,
     about,
@@ -21,22 +23,25 @@ from clerestory.cli.common import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
-    from clerestory.photo import Developed, Session
+    from clerestory.photo import Developed
 
 _MAPS = (".hdr", ".pic", ".xyze", ".exr")
 _DRAWN = (".png", ".pdf", ".svg")
 _PROJECTIONS = ("equisolid", "equidistant", "orthographic", "stereographic", "perspective", "none")
 
 _OPTIONS = {
+    "exposures": "--exposures",
     "f_number": "--f-number",
     "iso": "--iso",
     "camera.response": "--response",
     "lens.radius_px": "--radius",
     "lens.centre_px": "--centre",
     "lens.field_deg": "--field",
+    "lens.table": "--projection",
     "vignetting": "--vignetting",
+    "vignetting.points": "--vignetting",
     "calibration.factor": "--factor",
     "calibration.spots": "--spot, --factor, --calibrate-by-illuminance",
     "check.illuminance": "--illuminance",
@@ -151,6 +156,7 @@ def photo(
     """
     from clerestory.cli.photo_result import for_machines, for_people
     from clerestory.photo.develop import develop
+    from clerestory.photo.session import Session
     from clerestory.trace.recipe import read_toml
 
     _check_inputs(pictures)
@@ -159,7 +165,8 @@ def photo(
         raise UsageError(f"{pictures[1]}: a session names its pictures itself (give one session, or pictures)")
     _check_outputs(output, save_response, plot_response, pictures)
     folder = pictures[0].parent if described else Path()
-    with about(pictures[0]) if described else _as_it_is():
+    given = pictures[0] if described else None
+    with _told(given, UsageError):
         tables: dict[str, Any] = read_toml(pictures[0]) if described else {"pictures": [str(p) for p in pictures]}
         _override(
             tables,
@@ -197,8 +204,8 @@ def photo(
                 *(_spot(text, "--spot", "pixels", (2, 3, 4)) for text in spot or ()),
                 *(_spot(text, "--spot-direction", "direction_deg", (2, 3)) for text in spot_direction or ()),
             ]
-        session = _session(tables, described=described)
-    with progress("developing") as tell:
+        session = Session.of(tables)
+    with _told(given, CommandError), progress("developing") as tell:
         made = develop(session, folder, tell)
     inputs = [p.path for p in made.series.photographs]
     for text in made.warnings:
@@ -213,24 +220,33 @@ def photo(
         for_people(made)
 
 
-def _session(tables: dict[str, Any], *, described: bool) -> Session:
-    """The session; what is wrong with it is called by its option where there is no file."""
-    from clerestory.photo.session import Session
+@contextmanager
+def _told(session: Path | None, kind: type[CommandError]) -> Iterator[None]:
+    """Faults by the keys of a session's file, after its name; by options where there is no file."""
     from clerestory.trace.keys import RecipeError
 
+    if session is not None:
+        with about(session):
+            yield
+        return
     try:
-        return Session.of(tables)
+        yield
     except RecipeError as error:
         key, _, text = str(error).partition(": ")
-        if described or key not in _OPTIONS:
+        if key == "pictures":
+            raise kind(text) from None
+        if key not in _OPTIONS:
             raise
-        raise UsageError(f"{_OPTIONS[key]}: {text}") from None
+        raise kind(f"{_OPTIONS[key]}: {text}") from None
 
 
 def _check_inputs(pictures: Sequence[Path]) -> None:
     first = pictures[0]
     if str(first) == "compare" and not first.exists():
         raise UsageError("compare: is a command of its own (run clerestory photo-compare)")
+    for path in pictures:
+        if not any(mark in path.name for mark in "*?["):
+            path.stat()  # A wrong name is told as it was typed.
 
 
 def _check_outputs(output: Path | None, response: Path | None, plot: Path | None, inputs: Sequence[Path]) -> None:
@@ -242,12 +258,6 @@ def _check_outputs(output: Path | None, response: Path | None, plot: Path | None
         if not path.parent.is_dir():
             raise UsageError(f"{path}: the folder {path.parent} does not exist (create it first)")
         refuse_overwriting(path, inputs)
-
-
-def _as_it_is() -> Any:  # noqa: ANN401 (a context without effect)
-    from contextlib import nullcontext
-
-    return nullcontext()
 
 
 def _override(tables: dict[str, Any], options: dict[str, Any], folder: Path) -> None:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from clerestory.cli.common import JsonOption, UsageError, note, one_of, print_json, say, table, tasks, warn
+from clerestory.cli.common import JsonOption, UsageError, about, note, one_of, print_json, say, table, tasks, warn
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -75,7 +76,8 @@ def roundrobin(
             for source in laboratory.sources:
                 for text in source.bsdf.warnings:
                     warn(source.path, text.removeprefix(f"{source.path}: "))
-    work = Work(study, kept_in)
+    with about(Path(sources[0])) if sources[0].lower().endswith(".toml") else nullcontext():
+        work = Work(study, kept_in)
     if dry_run:
         _tell_plan(work, as_json=as_json)
         return

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from clerestory.cli.common import (
-    DATA_SETS,
     TREES,
     JsonOption,
     UsageError,
     angle_pair,
+    check_bsdf_name,
     kept,
     list_shipped,
     note,
@@ -194,8 +194,8 @@ def _check_names(output: Path | None, rays: Path | None, picture: Path | None, *
         raise UsageError("-o: no file to write is given (give one ending in .xml, .xml.gz or .bsdf.npz)")
     if output is not None and scanned and output.suffix.lower() != ".csv":
         raise UsageError(f"{output}: a scan of directions is a table (end the name with .csv)")
-    if output is not None and not scanned and not output.name.lower().endswith(DATA_SETS):
-        raise UsageError(f"{output}: the name does not tell the format (end it with .xml, .xml.gz or .bsdf.npz)")
+    if output is not None and not scanned:
+        check_bsdf_name(output)
     if rays is not None and rays.suffix.lower() not in (".csv", ".npz"):
         raise UsageError(f"--rays {rays}: the name does not tell the format (end it with .csv or .npz)")
 

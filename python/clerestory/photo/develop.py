@@ -21,6 +21,7 @@ from clerestory.photo.samples import sample
 from clerestory.photo.series import read_series
 from clerestory.photo.spot import Spot, common_factor, read_spot
 from clerestory.picture.image import Picture
+from clerestory.trace.reading import reading
 
 if TYPE_CHECKING:
     import os
@@ -105,9 +106,11 @@ def develop(
     base = Path(folder)
     tell = progress or (lambda _share: None)
     view = view_of(session.output)
-    exposures = None if session.exposures is None else read_table(base / session.exposures)
+    with reading("exposures"):
+        exposures = None if session.exposures is None else read_table(base / session.exposures)
     given = Given(f_number=session.f_number, iso=session.iso)
-    series = read_series(files_of(session.pictures, base), exposures, given=given, times=session.times)
+    with reading("pictures"):
+        series = read_series(files_of(session.pictures, base), exposures, given=given, times=session.times)
     vignetting = None if session.vignetting is None else vignetting_of(session.vignetting, base)
     lens, circle = lens_of(session.lens, base, series)
     assumptions, warnings = lens_assumptions(session.lens, circle), list(series.warnings)

@@ -13,6 +13,7 @@ from clerestory.photo.photograph import SUFFIXES
 from clerestory.photo.response import Response
 from clerestory.photo.vignetting import Vignetting, read_points
 from clerestory.picture.view import View
+from clerestory.trace.reading import reading
 
 if TYPE_CHECKING:
     from clerestory.photo.series import Series
@@ -70,8 +71,8 @@ def vignetting_of(keys: VignettingKeys, base: Path) -> Vignetting:
     if keys.coefficients is not None:
         return Vignetting(coefficients=tuple(keys.coefficients))
     path = base / str(keys.points)
-    points = read_points(path)
-    with named(path):
+    with reading("vignetting.points"), named(path):
+        points = read_points(path)
         return Vignetting.fit(points, keys.degree) if keys.fit == "polynomial" else Vignetting.through(points)
 
 
@@ -103,8 +104,8 @@ def lens_of(keys: LensKeys, base: Path, series: Series) -> tuple[Lens | None, Ci
     edge = 0.5 * keys.field_deg
     if keys.table is not None:
         path = base / keys.table
-        points = read_points(path, ("theta_deg", "radius"))
-        with named(path):
+        with reading("lens.table"), named(path):
+            points = read_points(path, ("theta_deg", "radius"))
             return Lens.of_table(points, centre, radius, edge), circle
     if keys.projection == "table":
         raise ClerestoryError("lens.table: is missing (name the file of the radii)")
@@ -124,7 +125,8 @@ def lens_assumptions(keys: LensKeys, circle: Circle | None) -> list[str]:
 def response_of(keys: CameraKeys, base: Path, series: Series) -> Response | None:
     """The response that is given; None where it is to be recovered."""
     if keys.response is not None:
-        return Response.read(base / keys.response)
+        with reading("camera.response"):
+            return Response.read(base / keys.response)
     if keys.encoding == "linear" or (keys.encoding == "auto" and series.bits == 16):
         return Response.linear()
     return None

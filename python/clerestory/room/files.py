@@ -13,6 +13,7 @@ from clerestory.room.scene import UNITS, RoomScene
 from clerestory.trace.keys import RecipeError
 from clerestory.trace.kinds.radiance import COUNTS, numbers_of
 from clerestory.trace.materials import Spec
+from clerestory.trace.reading import reading
 
 if TYPE_CHECKING:
     import numpy as np
@@ -63,15 +64,11 @@ def take(path: Path, geometry: keys.Geometry, key: str) -> Taken:
     suffix = path.suffix.lower()
     if suffix not in SCENES + MESHES:
         raise RecipeError(f"{key}.file: {path} is of no known format (give one ending in .rad, .obj, .stl or .ply)")
-    try:
+    with reading(f"{key}.file"):
         if suffix in MESHES:
             mesh: _core.Scene = getattr(_core.Scene, suffix[1:])(path, UNITS[geometry.unit])
             return Taken(mesh, [None] * len(mesh.surfaces), warnings=list(mesh.warnings))
         scene = RoomScene.read(path, unit=geometry.unit)
-    except FileNotFoundError:
-        raise RecipeError(f"{key}.file: {path} does not exist (check it; it is relative to the recipe)") from None
-    except (OSError, _core.ClerestoryError) as error:
-        raise RecipeError(f"{key}.file: {error}") from None
     return _of_scene(scene, path, key)
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from clerestory import _core
-from clerestory.trace.keys import RecipeError
+from clerestory.trace.reading import reading
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -64,8 +63,7 @@ def system_of(given: keys.System, key: str, folder: Path, traced: Traced | None 
     """
     from clerestory.system.dataset import data_set, glazed
 
-    name = "file" if given.glass is None else "glass"
-    try:
+    with reading(f"{key}.file" if given.glass is None else f"{key}.glass"):
         if isinstance(given.glass, float):
             return Placed(_pane(given.glass, given.glass_reflectance))
         if given.glass is not None:
@@ -78,11 +76,6 @@ def system_of(given: keys.System, key: str, folder: Path, traced: Traced | None 
         if given.treatment.endswith("peaks") and (found.is_stored or given.treatment == "klems-peaks"):
             bsdf = bsdf.separate_peaks()
         return Placed(bsdf, given.band, found.sources[0] if found.is_stored else None)
-    except FileNotFoundError as error:
-        path = error.filename or folder / str(given.file or given.glass)
-        raise RecipeError(f"{key}.{name}: {path} does not exist (check it; it is relative to the recipe)") from None
-    except (OSError, _core.ClerestoryError) as error:
-        raise RecipeError(f"{key}.{name}: {error}") from None
 
 
 def _pane(transmittance: float, reflectance: float | None) -> Bsdf:

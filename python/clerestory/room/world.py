@@ -24,7 +24,9 @@ from clerestory.trace.bands import Bands
 from clerestory.trace.keys import RecipeError, suggestion
 from clerestory.trace.materials import Spec
 from clerestory.trace.media import Medium
+from clerestory.trace.reading import reading
 from clerestory.trace.recipe import read_toml
+from clerestory.trace.shipped import beside
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -521,10 +523,5 @@ def load_beside(given: str, folder: Path, key: str, *, traced: Traced | None = N
     RecipeError
         As in `load`, after the key; also where there is no such file.
     """
-    within = folder / given
-    try:
-        return load(within if within.is_file() or "." in given else given, traced=traced)
-    except FileNotFoundError:
-        raise RecipeError(f"{key}: {within} does not exist (check it; it is relative to the study)") from None
-    except RecipeError as error:
-        raise RecipeError(f"{key}: {error}") from None
+    with reading(key):
+        return load(beside(given, folder, ROOMS), traced=traced)

@@ -20,6 +20,7 @@ from clerestory.roundrobin.recipe import TREATMENTS, Recipe
 from clerestory.system import stack
 from clerestory.system.dataset import data_set
 from clerestory.trace.keys import RecipeError
+from clerestory.trace.reading import reading
 from clerestory.trace.recipe import read_toml
 
 if TYPE_CHECKING:
@@ -200,21 +201,16 @@ class RoundRobin:
 
 def _source(given: Given, folder: Path, key: str, traced: Traced | None) -> Source:
     """Read a file, and see that it can be compared."""
-    path = folder / str(given.file)
-    try:
+    with reading(f"{key}.file"):
         found = data_set(str(given.file), folder, traced=traced)
         path = found.sources[0]
         sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
         own_mark = sha256 if found.is_stored else mark(found.bsdf)
-        bsdf = found.bsdf
-        bsdf = bsdf.flipped() if given.flipped else bsdf
+        bsdf = found.bsdf.flipped() if given.flipped else found.bsdf
+    try:
         bsdf.model("exterior", "transmission")
-    except FileNotFoundError:
-        raise RecipeError(f"{key}.file: {path} does not exist (check it; it is relative to the study)") from None
     except MissingDataError as error:
         raise RecipeError(f"{key}.file: {path}: {error} (a round robin compares transmission: leave it out)") from None
-    except (OSError, ClerestoryError) as error:
-        raise RecipeError(f"{key}.file: {error}") from None
     basis = own_basis(bsdf, "transmission")
     fine = basis is None or len(basis) > FINE_PATCHES
     if given.resolution == "high" and not fine:

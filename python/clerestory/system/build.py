@@ -16,8 +16,9 @@ from clerestory.system.shelf import glass
 from clerestory.system.traced import traced_thermal
 from clerestory.system.window import Window
 from clerestory.trace.keys import RecipeError
+from clerestory.trace.reading import reading
 from clerestory.trace.recipe import read_toml
-from clerestory.trace.shipped import Shelf
+from clerestory.trace.shipped import RECIPES, Shelf, beside
 
 if TYPE_CHECKING:
     import os
@@ -134,13 +135,8 @@ def _made(specification: Specification, folder: Path, sources: list[Path], trace
             gas = " + ".join(f"{100.0 * share:g} % {name}" for name, share in keys.shares.items())
             gaps.append(Gap(keys.name or gas, keys.width_mm / 1000.0, keys.shares))
             continue
-        try:
+        with reading(f"layer {number} ({_called(keys)})"):
             layer = _layer(keys, folder, basis, sources, traced)
-        except ClerestoryError as error:
-            raise RecipeError(f"layer {number} ({_called(keys)}): {error}") from None
-        except OSError as error:
-            reason = f"{error.filename}: {error.strerror}" if error.strerror else str(error)
-            raise RecipeError(f"layer {number} ({_called(keys)}): {reason} (check the file)") from None
         solids.append(replace(layer.flipped() if keys.flipped else layer, number=number))
     name = specification.system.name or " + ".join(layer.name for layer in solids)
     return Specified(specification, Window(solids, gaps), name, sources, folder)
@@ -241,17 +237,11 @@ def sample_of(keys: RecipeKeys, folder: Path) -> Sample:
 
     if isinstance(keys.recipe, dict):
         return Sample(Recipe.of(changed(keys.recipe, keys.changed)), folder)
-    path = _recipe_file(keys.recipe, folder)
+    path = beside(keys.recipe, folder, RECIPES)
     try:
         return Sample(Recipe.of(changed(read_toml(path), keys.changed)), path.parent)
     except RecipeError as error:
         raise RecipeError(f"{keys.recipe}: {error}") from None
-
-
-def _recipe_file(given: str, folder: Path) -> Path:
-    from clerestory.trace.shipped import RECIPES
-
-    return folder / given if Path(given).suffix else RECIPES.find(given)
 
 
 def _of_recipe(keys: RecipeKeys, folder: Path, basis: str, sources: list[Path], traced: Traced | None) -> Layer:
@@ -259,7 +249,7 @@ def _of_recipe(keys: RecipeKeys, folder: Path, basis: str, sources: list[Path], 
 
     sample = sample_of(keys, folder)
     if isinstance(keys.recipe, str):
-        sources.append(_recipe_file(keys.recipe, folder))
+        sources.append(beside(keys.recipe, folder, RECIPES))
     measured = (traced or trace.measure)(
         sample,
         basis=keys.basis or basis,

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from clerestory.system import build
-from clerestory.trace.keys import RecipeError, suggestion
+from clerestory.trace.keys import RecipeError
 from clerestory.trace.recipe import read_toml
-from clerestory.trace.shipped import RECIPES
+from clerestory.trace.shipped import RECIPES, beside
 
 if TYPE_CHECKING:
     from clerestory.bsdf import Bsdf
@@ -56,7 +56,7 @@ def data_set(
     OSError
         A file cannot be read.
     """
-    path = _find(given, folder)
+    path = beside(given, folder, build.SYSTEMS, RECIPES)
     if path.suffix.lower() != ".toml":
         from clerestory.files import read
 
@@ -100,17 +100,6 @@ def glazed(given: str, folder: Path, thickness_mm: float | None = None) -> DataS
     if thickness_mm is not None:
         pane["thickness_mm"] = thickness_mm
     return _solved(build.load({"system": {"resolution": "layers"}, "layers": [{"kind": "glass", **pane}]}))
-
-
-def _find(given: str, folder: Path) -> Path:
-    within = folder / given
-    if within.suffix or within.is_file():
-        return within
-    for shelf in (build.SYSTEMS, RECIPES):
-        if (path := shelf.path_of(given)) is not None:
-            return path
-    known = [*build.SYSTEMS.names(), *RECIPES.names()]
-    raise RecipeError(f"{given}: neither a file nor a name that comes with Clerestory ({suggestion(given, known)})")
 
 
 def _solved(made: build.Specified) -> DataSet:

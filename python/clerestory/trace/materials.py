@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from clerestory._core import ClerestoryError
 from clerestory.trace.bands import Spectrum
 from clerestory.trace.keys import Fraction, Keys, NotNegative, Number, Positive, RecipeError, suggestion, wrong
+from clerestory.trace.reading import reading
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -307,12 +308,8 @@ class Measured(_Material):
         from clerestory.files import read
 
         path = folder / self.file
-        try:
+        with reading(f"{key}.file"):
             bsdf = read(path)
-        except FileNotFoundError:
-            raise RecipeError(f"{key}.file: {path} does not exist (check it; it is relative to the recipe)") from None
-        except (OSError, ClerestoryError) as error:
-            raise RecipeError(f"{key}.file: {error}") from None
         names: list[str | None] = [self.band or band for band in bands.lower]
         for name in names:
             if name is not None and name.lower() not in [b.lower() for b in bsdf.bands]:

@@ -50,5 +50,25 @@ class Shelf:
         return shipped or path
 
 
+def beside(given: str, folder: Path, *shelves: Shelf) -> Path:
+    """The file that a file in a folder means by a path, or by a name of what comes with Clerestory.
+
+    Raises
+    ------
+    RecipeError
+        It looks like a name, and there is none such.
+    """
+    within = folder / given
+    if within.suffix or within.is_file():
+        return within
+    for shelf in shelves:
+        if (path := shelf.path_of(given)) is not None:
+            return path
+    if within.exists():
+        return within
+    known = [name for shelf in shelves for name in shelf.names()]
+    raise RecipeError(f"{given}: neither a file nor a name that comes with Clerestory ({suggestion(given, known)})")
+
+
 RECIPES = Shelf(Path(__file__).parent / "recipes", "recipe", "trace")
 names = RECIPES.names

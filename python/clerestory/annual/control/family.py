@@ -5,12 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from clerestory._core import ClerestoryError, __version__
+from clerestory._core import __version__
 from clerestory.annual.cache import digest
 from clerestory.annual.traced import kept
 from clerestory.system import family as families
 from clerestory.system.family.manifest import MANIFEST
 from clerestory.trace.keys import Keys, Positive, RecipeError
+from clerestory.trace.reading import reading
 from clerestory.trace.recipe import read_toml
 from clerestory.trace.shipped import RECIPES
 
@@ -76,16 +77,8 @@ def _with_states(given: dict[str, Any], key: str, folder: Path, cache: Cache, te
         keys = FamilyKeys.of(own)
     except RecipeError as error:
         raise RecipeError(f"{key}.{error}") from None
-    try:
+    with reading(f"{key}.family"):
         found = _found(folder / keys.family, keys.step, cache, tell)
-    except FileNotFoundError:
-        raise RecipeError(
-            f"{key}.family: {folder / keys.family} does not exist (check it; it is relative to the study)"
-        ) from None
-    except OSError as error:
-        raise RecipeError(f"{key}.family: {error.filename}: {error.strerror} (check the file)") from None
-    except ClerestoryError as error:
-        raise RecipeError(f"{key}.family: {error}") from None
     states = dict(rest.get("states", {}))
     for state in found.states:
         assert state.file is not None

@@ -15,7 +15,9 @@ from clerestory.annual.control.conditions import Rules
 from clerestory.annual.control.hysteresis import levels
 from clerestory.annual.control.slats import Slats
 from clerestory.counts import counted
+from clerestory.files import named
 from clerestory.trace.keys import Keys, NotNegative, Number, Positive, RecipeError, wrong
+from clerestory.trace.reading import reading
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -106,14 +108,8 @@ class Schedule(Keys):
             found = schedule.from_spans(spans, stage.times, len(stage.groups))
             return complete(found, stage, f"{key}.times", "add one without hours as the last")
         path = stage.folder / self.file
-        try:
+        with reading(f"{key}.file"), named(path):
             return schedule.read(path, stage.weather, stage.states, stage.groups, tilts_deg=stage.tilts_deg)
-        except FileNotFoundError:
-            raise RecipeError(f"{key}.file: {path} does not exist (check it; it is relative to the study)") from None
-        except OSError as error:
-            raise RecipeError(f"{key}.file: {path}: {error.strerror} (check the file)") from None
-        except ClerestoryError as error:
-            raise RecipeError(f"{key}.file: {path}: {error}") from None
 
     @staticmethod
     def _state(times: Times, stage: Stage, place: str) -> int:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 from clerestory.cli.common import (
-    DATA_SETS,
     JsonOption,
     UsageError,
+    check_bsdf_name,
     note,
     one_of,
     plain,
@@ -22,8 +22,9 @@ from clerestory.cli.common import (
     table,
 )
 from clerestory.cli.measure.inputs import contents_of, measurement_of, refuse_to_write_over
-from clerestory.cli.measure.keeping import KeepOption, Kept, Made, NoteOption, keep, stem_of, tell_written
+from clerestory.cli.measure.keeping import KeepOption, Kept, Made, NoteOption, keep, tell_written
 from clerestory.cli.measure.options import DatabaseOption, DateOption, LaboratoryOption, SampleOption
+from clerestory.endings import is_bsdf, stem_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -105,7 +106,7 @@ def calibrate(
         told = replace(made, settings=said, spheres=values, note=note_)
         return keep(context, told, words, db) if keep_ else None
 
-    if data.lower().endswith(DATA_SETS):
+    if is_bsdf(data):
         if (laboratory, date) != (None, None):
             raise UsageError("--laboratory and --date choose scans of the database, not data sets (leave them out)")
         _model(Path(data), values, output, part, weighed, picture, keeping, reciprocal=reciprocal, as_json=as_json)
@@ -153,8 +154,7 @@ def _model(
         if output is None:
             _tell(of_model(bsdf, values, standard=standard), None, (), (), picture, [], as_json=as_json)
             return
-        if not str(output).lower().endswith(DATA_SETS):
-            raise UsageError(f"{output}: not a kind of data set (give .xml, .xml.gz or .bsdf.npz)")
+        check_bsdf_name(output)
         done = calibrated(bsdf, values, scaling=part, reciprocal=reciprocal, standard=standard)  # type: ignore[arg-type]
     lost = done.bsdf.write(output)
     warnings = (*done.warnings, *lost)

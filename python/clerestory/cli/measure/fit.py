@@ -13,7 +13,7 @@ from clerestory.cli.common import (
     JsonOption,
     UsageError,
     about,
-    ends_with,
+    check_bsdf_name,
     note,
     one_of,
     plain,
@@ -24,7 +24,7 @@ from clerestory.cli.common import (
 )
 from clerestory.cli.measure.budgets import as_rows, budgets_of, say_budgets
 from clerestory.cli.measure.inputs import measurement_of, words_of
-from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep, stem_of, tell_written
+from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep, tell_written
 from clerestory.cli.measure.options import (
     ColumnOption,
     ConventionOption,
@@ -37,6 +37,7 @@ from clerestory.cli.measure.options import (
     choices_of,
 )
 from clerestory.cli.measure.tables import as_table
+from clerestory.endings import stem_of
 
 if TYPE_CHECKING:
     from clerestory.directions import Scatter, Side
@@ -44,8 +45,6 @@ if TYPE_CHECKING:
     from clerestory.measure.interpolant import Fit, Method
     from clerestory.measure.prepare.symmetry import Symmetry
     from clerestory.measure.uncertainty import Uncertainty
-
-_SUFFIXES = (".xml", ".xml.gz", ".bsdf.npz")
 
 
 def fit(
@@ -134,7 +133,7 @@ def fit(
 
     chosen_method = cast("Method", one_of(method, "--method", METHODS))
     chosen_symmetry = cast('Symmetry | Literal["auto"]', one_of(symmetry, "--symmetry", ("auto", *SYMMETRIES)))
-    ends_with(output, _SUFFIXES)
+    check_bsdf_name(output)
     npz = output.name.lower().endswith(".npz")
     if basis is None and not npz:
         basis = "klems-full"

@@ -12,7 +12,7 @@ from clerestory.cli.common import (
     JsonOption,
     UsageError,
     about,
-    ends_with,
+    check_bsdf_name,
     note,
     one_of,
     plain,
@@ -23,7 +23,7 @@ from clerestory.cli.common import (
     table,
 )
 from clerestory.cli.measure.inputs import measurement_of, words_of
-from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep, stem_of, tell_written
+from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep, tell_written
 from clerestory.cli.measure.options import (
     ColumnOption,
     ConventionOption,
@@ -37,6 +37,7 @@ from clerestory.cli.measure.options import (
     choices_of,
 )
 from clerestory.cli.measure.tables import as_table
+from clerestory.endings import stem_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -44,8 +45,6 @@ if TYPE_CHECKING:
     from clerestory.bsdf import Bsdf
     from clerestory.cli.measure.keeping import Kept
     from clerestory.measure.formula import Fitted
-
-_SUFFIXES = (".xml", ".xml.gz", ".bsdf.npz")
 
 
 def formula(
@@ -114,7 +113,7 @@ def formula(
     name = model.lower() if model.lower() in FORMULAS else one_of(model, "--model", tuple(FORMULAS))
     degree = _order(order)
     if output is not None:
-        ends_with(output, _SUFFIXES)
+        check_bsdf_name(output)
     check_picture(picture)
     if not 2 <= resolution <= 8:
         raise UsageError(f"--resolution {resolution}: a whole number from 2 to 8")

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Literal, cast
 import typer
 
 from clerestory.cli.common import (
-    DATA_SETS,
     TREES,
     JsonOption,
     UsageError,
     about,
-    ends_with,
+    check_bsdf_name,
     note,
     one_of,
     plain,
@@ -24,7 +23,7 @@ from clerestory.cli.common import (
     say,
 )
 from clerestory.cli.measure.inputs import measurement_of, words_of
-from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep, stem_of, tell_written
+from clerestory.cli.measure.keeping import KeepOption, Made, NoteOption, keep, tell_written
 from clerestory.cli.measure.options import (
     ColumnOption,
     ConventionOption,
@@ -37,6 +36,7 @@ from clerestory.cli.measure.options import (
     check_picture,
     choices_of,
 )
+from clerestory.endings import is_bsdf, stem_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -130,7 +130,7 @@ def hybrid(
     how = cast("Scale", one_of(scale, "--scale", SCALES))
     chosen_method = cast("Method", one_of(method, "--method", METHODS))
     chosen_symmetry = cast('Symmetry | Literal["auto"]', one_of(symmetry, "--symmetry", ("auto", *SYMMETRIES)))
-    ends_with(output, DATA_SETS)
+    check_bsdf_name(output)
     check_picture(picture)
     if not 0.0 < blend <= 45.0:
         raise UsageError(f"--blend {blend:g}: not possible (give more than 0 and at most 45°)")
@@ -143,7 +143,7 @@ def hybrid(
     scans: tuple[Scan, ...] = ()
     model = None
     choices: dict[str, object] = {}
-    if len(words) == 1 and words[0].lower().endswith(DATA_SETS):
+    if len(words) == 1 and is_bsdf(words[0]):
         model = Path(words[0])
         measured = read(model)
         warnings: list[str] = []

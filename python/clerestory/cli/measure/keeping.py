@@ -92,14 +92,6 @@ def tell_written(written: Iterable[Path], kept: Kept | None) -> None:
         note(kept.words)
 
 
-def stem_of(path: Path) -> str:
-    """The name of a data set's file without its suffixes."""
-    name = path.name
-    for suffix in (".bsdf.npz", ".xml.gz", ".xml", ".npz"):
-        name = name.removesuffix(suffix)
-    return name
-
-
 def _kept(database: Database, made: Made, command: str) -> Kept:
     from clerestory.measure.source import digest
 

@@ -11,7 +11,7 @@ from clerestory.cli.common import (
     JsonOption,
     UsageError,
     about,
-    ends_with,
+    check_bsdf_name,
     list_shipped,
     note,
     print_json,
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
 SIDES: tuple[Side, ...] = ("exterior", "interior")
 SCATTERS: tuple[Scatter, ...] = ("transmission", "reflection")
-SUFFIXES = (".xml", ".xml.gz", ".bsdf.npz")
 PICTURES = (".png", ".pdf", ".svg")
 
 
@@ -102,7 +101,7 @@ def _check_names(output: Path | None, target: str, curves: Path | None) -> None:
     from clerestory.cli.common import one_of
 
     if output is not None:
-        ends_with(output, SUFFIXES)
+        check_bsdf_name(output)
     if curves is not None and curves.suffix.lower() not in (".csv", *PICTURES):
         raise UsageError(f"--curves {curves}: the name does not tell the format (end it with .csv, .png, .pdf or .svg)")
     one_of(target, "--for", ("plain", "radiance", "window", "energyplus"))

@@ -22,7 +22,8 @@ from clerestory.cli.common import (
     warn,
     write_whole,
 )
-from clerestory.cli.system.product import is_data_set, solved, specified
+from clerestory.cli.system.product import solved, specified
+from clerestory.endings import is_bsdf
 
 if TYPE_CHECKING:
     from clerestory.bsdf import Bsdf
@@ -125,7 +126,7 @@ def export(
 
 
 def _product(product: str, *, quiet: bool) -> tuple[Bsdf, str, list[Path]]:
-    if is_data_set(product):
+    if is_bsdf(product):
         bsdf = read(Path(product))
         return bsdf, bsdf.metadata.name or Path(product).name, [Path(product)]
     made = specified(product, quiet=quiet)
@@ -136,7 +137,7 @@ def _data(product: str, output: Path, suffix: str, to: str | None, safety: float
     target = one_of(to or ("energyplus" if suffix in (".idf", ".epjson") else "plain"), "--for", _TARGETS)
     if suffix in (".idf", ".epjson") and target != "energyplus":
         raise UsageError(f"--for {target}: {suffix} files are for energyplus (end the name with .xml)")
-    if is_data_set(product):
+    if is_bsdf(product):
         from clerestory.system.build import load
 
         path = Path(product)

@@ -5,16 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from clerestory.cli.common import DATA_SETS, about, note, warn
+from clerestory.cli.common import about, note, warn
 
 if TYPE_CHECKING:
     from clerestory.system.build import Specified
     from clerestory.system.window import Built
-
-
-def is_data_set(product: str) -> bool:
-    """Whether a BSDF file is named, rather than a specification."""
-    return product.lower().endswith(DATA_SETS)
 
 
 def specified(product: str, *, quiet: bool) -> Specified:

@@ -21,7 +21,8 @@ from clerestory.cli.common import (
     warn,
     write_whole,
 )
-from clerestory.cli.system.product import is_data_set, solved, specified
+from clerestory.cli.system.product import solved, specified
+from clerestory.endings import is_bsdf
 
 if TYPE_CHECKING:
     from clerestory.bsdf import Bsdf
@@ -82,7 +83,7 @@ def rate(
     heat: WindowHeat | None = None
     built: Built | None = None
     with about(Path(product)):
-        if is_data_set(product):
+        if is_bsdf(product):
             if directions is not None:
                 raise UsageError("--directions goes with a specification of a window (a device has no heat of its own)")
             bsdf, sources = read(Path(product)), [Path(product)]

@@ -29,6 +29,7 @@ from clerestory.measure.camera.seams import seams_of
 from clerestory.measure.scan import Measurement, Scan
 from clerestory.picture.image import Picture
 from clerestory.picture.view import View
+from clerestory.trace.reading import reading
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -88,7 +89,8 @@ def develop(rig: Rig, *, progress: Callable[[float], None] | None = None) -> Dev
     scans, seams = [], []
     kept: tuple[list[tuple[int, int]], list[Footprint], Floats] | None = None
     for n, incidence in enumerate(rig.incidences):
-        pictures, marks = zip(*(_luminance(rig, Path(path), warnings) for path in incidence.pictures), strict=True)
+        with reading(f"incidences[{n + 1}].pictures"):
+            pictures, marks = zip(*(_luminance(rig, Path(path), warnings) for path in incidence.pictures), strict=True)
         shapes = [(int(p.shape[0]), int(p.shape[1])) for p in pictures]
         if kept is None or kept[0] != shapes:
             kept = (shapes, *_geometry(rig, screens, shapes, basis, side, warnings))

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from clerestory.measure.plan.instrument import find_instrument
 from clerestory.trace.keys import Keys, NotNegative, Number, Positive, wrong
+from clerestory.trace.reading import reading
 from clerestory.trace.recipe import read_toml
 
 if TYPE_CHECKING:
@@ -106,5 +108,8 @@ def read_job(path: str | os.PathLike[str]) -> Job:
     with named(path):
         job = Job.of(read_toml(path))
         if Path(job.instrument).suffix:
-            return job.model_copy(update={"instrument": str(path.parent / job.instrument)})
+            instrument = path.parent / job.instrument
+            with reading("instrument"):
+                find_instrument(instrument)
+            return job.model_copy(update={"instrument": str(instrument)})
         return job

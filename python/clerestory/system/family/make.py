@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from clerestory import trace
 from clerestory._core import ClerestoryError
 from clerestory.bsdf import Bsdf
+from clerestory.files import named
 from clerestory.model import Model
 from clerestory.system import build
 from clerestory.system.components import components_of_sample, components_of_window
@@ -17,9 +18,10 @@ from clerestory.system.exchange import described
 from clerestory.system.family import place as places
 from clerestory.system.family.family import Family, State, mixed, state_name
 from clerestory.system.family.keys import HEIGHT, FamilyKeys, Head
-from clerestory.trace.keys import RecipeError, suggestion
+from clerestory.trace.keys import RecipeError
+from clerestory.trace.reading import reading
 from clerestory.trace.recipe import Recipe, changed, read_toml
-from clerestory.trace.shipped import RECIPES
+from clerestory.trace.shipped import RECIPES, beside
 
 if TYPE_CHECKING:
     import os
@@ -145,14 +147,8 @@ class Planned:
             return Bsdf.from_models(
                 {band: {key: _opening(*key) for key in members} for band, members in product.models.items()}
             )
-        try:
+        with reading("family.without"):
             found = data_set(given, self.folder, traced=traced)
-        except FileNotFoundError:
-            raise RecipeError(
-                f"family.without: {self.folder / given} does not exist (check it; it is relative to the specification)"
-            ) from None
-        except ClerestoryError as error:
-            raise RecipeError(f"family.without: {error}") from None
         self.sources.extend(path for path in found.sources if path not in self.sources)
         bsdf = found.bsdf if found.window is None else self._described(found.window, found.bsdf)
         beyond = [band for band in bsdf.bands if band not in product.bands]
@@ -227,23 +223,10 @@ def _planned(tables: dict[str, Any], path: Path) -> Planned:
 
 
 def _product(given: str, folder: Path) -> Product:
-    found: Path | None = folder / given
-    if not Path(given).suffix:
-        found = RECIPES.path_of(given) or build.SYSTEMS.path_of(given)
-        if found is None:
-            known = [*RECIPES.names(), *build.names()]
-            raise RecipeError(f"family.product: nothing of the name {given!r} ships ({suggestion(given, known)})")
-    assert found is not None
-    try:
-        tables = read_toml(found)
-    except FileNotFoundError:
-        raise RecipeError(
-            f"family.product: {found} does not exist (check it; it is relative to the specification)"
-        ) from None
-    except OSError as error:
-        raise RecipeError(f"family.product: {found}: {error.strerror} (check the file)") from None
-    except RecipeError as error:
-        raise RecipeError(f"family.product: {found}: {error}") from None
+    with reading("family.product"):
+        found = beside(given, folder, RECIPES, build.SYSTEMS)
+        with named(found):
+            tables = read_toml(found)
     return Product(tables, found.parent, found.stem, found)
 
 
@@ -261,15 +244,10 @@ def _with_recipes(product: Product, sources: list[Path]) -> dict[str, Any]:
         if not isinstance(recipe, str):
             made.append(layer)
             continue
-        path = product.folder / recipe if Path(recipe).suffix else RECIPES.find(recipe)
-        try:
-            sample = read_toml(path).get("sample")
-        except FileNotFoundError:
-            raise RecipeError(
-                f"layer {number} ({layer.get('name', recipe)}): {path} does not exist (check it)"
-            ) from None
-        except RecipeError as error:
-            raise RecipeError(f"layer {number} ({layer.get('name', recipe)}): {recipe}: {error}") from None
+        with reading(f"layer {number} ({layer.get('name', recipe)})"):
+            path = beside(recipe, product.folder, RECIPES)
+            with named(path):
+                sample = read_toml(path).get("sample")
         sources.append(path)
         given = layer.get("changed", {})
         made.append({**layer, "changed": changed({"sample": sample}, given) if isinstance(given, dict) else given})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from clerestory.counts import counted
 from clerestory.trace.keys import Positive, RecipeError
 from clerestory.trace.kinds.common import Kind
+from clerestory.trace.reading import reading
 from clerestory.trace.shapes import Mesh
 
 if TYPE_CHECKING:
@@ -71,16 +73,16 @@ class HeightMap(Kind):
 
 
 def _read(path: Path, key: str) -> Floats:
+    with reading(key):
+        data = path.read_bytes()
     try:
         if path.suffix == ".npy":
-            heights = np.load(path, allow_pickle=False)
+            heights = np.lib.format.read_array(io.BytesIO(data), allow_pickle=False)
         else:
-            text = path.read_text(encoding="utf-8-sig")
+            text = data.decode("utf-8-sig")
             delimiter = next((d for d in ";\t," if d in text), None)
             heights = np.loadtxt(text.splitlines(), delimiter=delimiter, ndmin=2)
-    except FileNotFoundError:
-        raise RecipeError(f"{key}: {path} does not exist (check the path; it is relative to the recipe)") from None
-    except (OSError, ValueError) as error:
+    except ValueError as error:
         raise RecipeError(f"{key}: {path} is no raster of heights ({' '.join(str(error).split())})") from None
     if heights.ndim != 2 or min(heights.shape) < 2 or not np.issubdtype(heights.dtype, np.number):
         shape = " × ".join(str(n) for n in heights.shape)

@@ -9,6 +9,7 @@ import numpy as np
 
 from clerestory.counts import counted
 from clerestory.trace.keys import RecipeError
+from clerestory.trace.reading import reading
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -28,12 +29,12 @@ def read_scan(path: Path, key: str) -> tuple[Floats, Floats]:
     RecipeError
         The columns are others, or hold no numbers; `key` and line are named.
     """
+    with reading(key):
+        data = path.read_bytes()
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise RecipeError(f"{key}: {path} does not exist (check the path; it is relative to the recipe)") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise RecipeError(f"{key}: {path} cannot be read ({error})") from None
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise RecipeError(f"{key}: {path}, byte {error.start}: not text in UTF-8 (save it as CSV in UTF-8)") from None
     delimiter = next((d for d in ";\t" if d in text.partition("\n")[0]), ",")
     rows = [
         (n, [c.strip() for c in row])

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field, model_validator
 
 from clerestory import _core
+from clerestory.files import named
 from clerestory.trace.keys import Keys, Number, Positive, RecipeError, suggestion, wrong
 from clerestory.trace.kinds.common import Kind
 from clerestory.trace.kinds.radiance import Found, translated
+from clerestory.trace.reading import reading
 from clerestory.trace.shapes import Solids
 
 if TYPE_CHECKING:
@@ -99,13 +102,11 @@ class SceneSample(Kind):
         suffix = next((s for s in SUFFIXES if path.lower().endswith(s)), None)
         if suffix is None:
             raise RecipeError(f"{key}: {path} is of no known format (give one ending in .rad, .obj, .stl or .ply)")
-        try:
+        with reading(key), named(Path(path)):
             if suffix == ".rad":
                 scene = _core.Scene.radiance(path, UNITS[self.unit])
                 return scene, [Found(*row) for row in scene.materials()]
             return getattr(_core.Scene, suffix[1:])(path, UNITS[self.unit]), []
-        except (OSError, _core.ClerestoryError) as error:
-            raise RecipeError(f"{key}: {path}: {str(error).removeprefix(f'{path}: ')}") from None
 
     def _faces(self, names: Sequence[str], found: list[Found], shop: Workshop, key: str) -> list[Face]:
         for name in self.surfaces:
