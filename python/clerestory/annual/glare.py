@@ -16,7 +16,7 @@ import numpy as np
 
 from clerestory import _core
 from clerestory.picture import View
-from clerestory.sky.model import SOLAR_DIAMETER_DEG
+from clerestory.sky.settings import SOLAR_DIAMETER_DEG
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,8 +15,9 @@ from clerestory.npz import mark
 from clerestory.photometry import EFFICACY
 from clerestory.room.builder import Quads, build
 from clerestory.room.files import Found, take
-from clerestory.room.recipe import LEVELS, Recipe
+from clerestory.room.recipe import Recipe
 from clerestory.room.shipped import ROOMS
+from clerestory.room.sky import sky_of
 from clerestory.room.standing import of_points, of_windows
 from clerestory.room.systems import Placed, system_of
 from clerestory.trace.bands import Bands
@@ -85,7 +85,7 @@ class Room:
         self._traced = traced
         self.warnings: list[str] = []
         """What is surprising, but can be."""
-        self.sky: Sky = _sky(recipe)
+        self.sky: Sky = sky_of(recipe)
         """What is outside."""
         self._specs: dict[str, Spec] = {}
         for name, material in recipe.materials.items():
@@ -450,41 +450,6 @@ class Room:
             return _core.Room(self._shapes, self._surfaces, materials, media, windows, lights, sky._core)
         except _core.ClerestoryError as error:
             raise RecipeError(str(error)) from error
-
-
-def _sky(recipe: Recipe) -> Sky:
-    """The sky that a recipe describes."""
-    from clerestory.sky import Place, Sky, SunPosition
-
-    given = recipe.sky
-    options: dict[str, Any] = {name: getattr(given, name) for name in LEVELS if getattr(given, name) is not None}
-    options |= {
-        "preset": given.preset,
-        "ground_reflectance": given.ground_reflectance,
-        "north_deg": given.north_deg,
-    }
-    # The traditional skies take what the general ones do.
-    make = getattr(Sky, given.kind)
-    known = inspect.signature(make if given.kind in ("perez", "preetham") else Sky.cie).parameters
-    for name in LEVELS:
-        if name in options and name not in known:
-            raise RecipeError(
-                f"sky.{name}: a sky of kind {given.kind} takes none "
-                f"(give one of {', '.join(level for level in LEVELS if level in known)})"
-            )
-    sun: Any = None
-    try:
-        if given.time is not None and recipe.place is not None:
-            place = Place(recipe.place.latitude, recipe.place.longitude, recipe.place.timezone)
-            sun = SunPosition.at(place, given.time, method="radiance" if given.preset == "radiance" else "spa")
-        elif given.sun_deg is not None:
-            sun = (given.sun_deg[0], given.sun_deg[1])
-        if given.kind == "cie":
-            return Sky.cie(given.type or 0, sun, **options)
-        made: Sky = make(**options) if sun is None else make(sun, **options)
-    except _core.ClerestoryError as error:
-        raise RecipeError(f"sky: {error}") from error
-    return made
 
 
 def load(source: str | os.PathLike[str] | Mapping[str, Any] | Room, *, traced: Traced | None = None) -> Room:

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import Field, model_validator
 
-from clerestory.annual.study import WorkingHours
+from clerestory.annual.recipe import WorkingHours
 from clerestory.room.recipe import Treatment
 from clerestory.trace.keys import Fraction, Keys, Number, Positive, wrong
 

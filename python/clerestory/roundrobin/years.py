@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clerestory.annual import study as annual
 from clerestory.annual.arrivals import Arrivals
 from clerestory.annual.cache import digest
+from clerestory.annual.recipe import Recipe
+from clerestory.annual.study import Study
 from clerestory.roundrobin.pieces import Piece
 from clerestory.trace.keys import RecipeError
 from clerestory.weather import Hours
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from clerestory.annual.cache import Arrays, Cache
-    from clerestory.annual.study import Study
     from clerestory.annual.year import Part
     from clerestory.room import Room
     from clerestory.roundrobin import recipe as keys
@@ -125,7 +125,7 @@ class Years:
     def _made_study(self, seed: int) -> Study:
         """The room's year without data sets."""
         recipe = self.recipe
-        given = annual.Recipe(
+        given = Recipe(
             room=recipe.room,
             weather=recipe.weather,
             sensors=[recipe.sensors],
@@ -135,7 +135,7 @@ class Years:
             seed=seed,
         )
         try:
-            made = annual.Study(given, self._folder, self._cache)
+            made = Study(given, self._folder, self._cache)
             if not made.room.windows:
                 raise RecipeError("room: it has no window (add one)")
             chosen = np.isin(made.weather.months, recipe.months)

@@ -10,8 +10,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from clerestory.sky.model import SkySettings
     from clerestory.sky.position import Place
+    from clerestory.sky.settings import SkySettings
 
 
 def text(values: NDArray[np.float64], settings: SkySettings, place: Place | None = None) -> str:

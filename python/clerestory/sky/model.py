@@ -13,49 +13,19 @@ from clerestory._core import ClerestoryError
 from clerestory.photometry import EFFICACY, LUMINANCE
 from clerestory.sky.patches import SkyPatches
 from clerestory.sky.position import SunPosition
+from clerestory.sky.settings import (
+    LEVELS,
+    SOLAR_DIAMETER_DEG,
+    Part,
+    SkySettings,
+    choices_of,
+    light_of,
+    moment_of,
+    settings_of,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import ArrayLike, NDArray
-
-Preset = Literal["clerestory", "radiance", "radiance-matrix"]
-Quantity = Literal["visible", "solar"]
-Part = Literal["all", "sky", "sun"]
-Colour = Literal["grey", "radiance"]
-PRESETS: tuple[Preset, ...] = ("clerestory", "radiance", "radiance-matrix")
-PARTS: tuple[Part, ...] = ("all", "sky", "sun")
-
-COLOURS: dict[Colour, tuple[float, float, float]] = {"grey": (1.0, 1.0, 1.0), "radiance": (0.960, 1.004, 1.118)}
-SOLAR_DIAMETER_DEG = 0.533
-
-_DEW_POINTS: dict[Preset, float] = {"clerestory": 10.97353, "radiance": 10.97353, "radiance-matrix": 11.0}
-_MEAN_DISTANCE = 94  # the day on which the sun's distance is its mean
-_LEVELS = "direct and diffuse irradiance, direct and diffuse illuminance, global irradiance"
-
-
-@dataclass(frozen=True)
-class SkySettings:
-    """Everything that a sky was made with."""
-
-    kind: str
-    """Its model in words."""
-    sun: SunPosition
-    """Where the sun is, by the compass."""
-    light: dict[str, float]
-    """What it was given of the light: irradiances [W/m²], illuminances [lx], luminance [cd/m²], turbidity."""
-    preset: Preset
-    """Whose practice it follows."""
-    quantity: Quantity
-    """What the watts of its radiances are."""
-    colour: tuple[float, float, float]
-    """Factors of the sky's R, G and B; coloured models have their own."""
-    ground_reflectance: float
-    """Of the ground, 0 to 1."""
-    north_deg: float
-    """Compass azimuth of the world's y axis."""
-    dew_point: float
-    """For water vapour in the luminous efficacy [°C]."""
 
 
 @dataclass(frozen=True)
@@ -158,11 +128,11 @@ class Sky:
         ClerestoryError
             It is night, or the light is not possible.
         """
-        given = _light(direct, diffuse, direct_illuminance, diffuse_illuminance, global_horizontal)
+        given = light_of(direct, diffuse, direct_illuminance, diffuse_illuminance, global_horizontal)
         if given is None:
-            raise ClerestoryError(f"Perez's sky is made from irradiances or illuminances (give one of {_LEVELS})")
-        settings = _settings("Perez all-weather", sun, given[1], **common)
-        return cls(_core.Sky.perez(_moment(settings), given[0], _choices(settings)), settings)
+            raise ClerestoryError(f"Perez's sky is made from irradiances or illuminances (give one of {LEVELS})")
+        settings = settings_of("Perez all-weather", sun, given[1], **common)
+        return cls(_core.Sky.perez(moment_of(settings), given[0], choices_of(settings)), settings)
 
     @classmethod
     def cie(
@@ -184,17 +154,17 @@ class Sky:
         the direct part.
         """
         names = _core.cie_names()
-        given = _light(direct, diffuse, direct_illuminance, diffuse_illuminance, global_horizontal, zenith_luminance)
+        given = light_of(direct, diffuse, direct_illuminance, diffuse_illuminance, global_horizontal, zenith_luminance)
         if given is None:
             raise ClerestoryError(
-                f"CIE sky {kind} says how light is distributed, not how much there is (give one of {_LEVELS}, or the "
+                f"CIE sky {kind} says how light is distributed, not how much there is (give one of {LEVELS}, or the "
                 "luminance of the zenith)"
             )
         words = f"CIE {kind}: {names[kind - 1]}" if 1 <= kind <= len(names) else f"CIE {kind}"
-        settings = _settings(words, sun, given[1], **common)
+        settings = settings_of(words, sun, given[1], **common)
         if kind < 0:
             raise ClerestoryError(f"CIE sky {kind} is not one of the general skies (give a type from 1 to 15)")
-        return cls(_core.Sky.cie(kind, _moment(settings), given[0], _choices(settings)), settings)
+        return cls(_core.Sky.cie(kind, moment_of(settings), given[0], choices_of(settings)), settings)
 
     @classmethod
     def overcast(cls, sun: SunPosition | tuple[float, float] = (90.0, 180.0), **options: Any) -> Sky:  # noqa: ANN401
@@ -249,11 +219,11 @@ class Sky:
         sunny: bool = True,
         **common: Any,  # noqa: ANN401 (see the class)
     ) -> Sky:
-        given = _light(
+        given = light_of(
             direct, diffuse, direct_illuminance, diffuse_illuminance, global_horizontal, zenith_luminance, turbidity
         ) or (("turbidity", 2.45, 0.0), {"turbidity": 2.45} if kind in ("clear", "intermediate") else {})
-        settings = _settings(f"CIE {kind}" if kind != "uniform" else kind, sun, given[1], **common)
-        core = _core.Sky.traditional(kind, sunny, _moment(settings), given[0], _choices(settings))
+        settings = settings_of(f"CIE {kind}" if kind != "uniform" else kind, sun, given[1], **common)
+        core = _core.Sky.traditional(kind, sunny, moment_of(settings), given[0], choices_of(settings))
         return cls(core, settings, kind)
 
     @classmethod
@@ -282,11 +252,11 @@ class Sky:
         coloured
             False for a grey sky of the same luminance. The sun is always white.
         """
-        given = _light(direct, diffuse, direct_illuminance, diffuse_illuminance)
+        given = light_of(direct, diffuse, direct_illuminance, diffuse_illuminance)
         light = {"turbidity": turbidity, **(given[1] if given else {})}
-        settings = _settings("Preetham" if coloured else "Preetham, grey", sun, light, **common)
+        settings = settings_of("Preetham" if coloured else "Preetham, grey", sun, light, **common)
         core = _core.Sky.preetham(
-            turbidity, not coloured, _moment(settings), given[0] if given else None, _choices(settings)
+            turbidity, not coloured, moment_of(settings), given[0] if given else None, choices_of(settings)
         )
         return cls(core, settings)
 
@@ -480,88 +450,3 @@ class Sky:
     def _visible(self, what: str) -> None:
         if self.settings.quantity != "visible":
             raise ClerestoryError(f"a sky in solar watts has no {what} (make it with quantity visible)")
-
-
-def _light(
-    direct: float | None = None,
-    diffuse: float | None = None,
-    direct_illuminance: float | None = None,
-    diffuse_illuminance: float | None = None,
-    global_horizontal: float | None = None,
-    zenith_luminance: float | None = None,
-    turbidity: float | None = None,
-) -> tuple[tuple[str, float, float], dict[str, float]] | None:
-    """The one level that is given, for the core and by name; None without any."""
-    ways: list[tuple[str, dict[str, float | None]]] = [
-        ("irradiance", {"direct": direct, "diffuse": diffuse}),
-        ("illuminance", {"direct_illuminance": direct_illuminance, "diffuse_illuminance": diffuse_illuminance}),
-        ("global", {"global_horizontal": global_horizontal}),
-        ("zenith", {"zenith_luminance": zenith_luminance}),
-        ("turbidity", {"turbidity": turbidity}),
-    ]
-    given = [(name, values) for name, values in ways if any(v is not None for v in values.values())]
-    if not given:
-        return None
-    if len(given) > 1:
-        names = " and ".join(key for _, values in given for key, value in values.items() if value is not None)
-        raise ClerestoryError(f"{names} contradict each other (give one of {_LEVELS}, zenith luminance or turbidity)")
-    name, values = given[0]
-    if len(values) == 2:
-        sun, sky = values
-        if values[sky] is None:
-            raise ClerestoryError(f"{sun} alone says nothing of the sky (give {sky}, too)")
-        values[sun] = values[sun] or 0.0
-    kept = {key: float(value) for key, value in values.items() if value is not None}
-    first, second = [*kept.values(), 0.0][:2]
-    return (name, first, second), kept
-
-
-def _settings(
-    kind: str,
-    sun: SunPosition | tuple[float, float],
-    light: dict[str, float],
-    *,
-    preset: Preset = "clerestory",
-    quantity: Quantity = "visible",
-    colour: Colour | Sequence[float] = "grey",
-    ground_reflectance: float = 0.2,
-    north_deg: float = 0.0,
-    dew_point: float | None = None,
-) -> SkySettings:
-    if isinstance(colour, str):
-        if colour not in COLOURS:
-            raise ClerestoryError(f"a colour {colour!r} is not known (known: {', '.join(COLOURS)}, or three factors)")
-        factors = COLOURS[colour]
-    else:
-        r, g, b = (float(c) for c in colour)
-        factors = (r, g, b)
-    if preset not in PRESETS:
-        raise ClerestoryError(f"a preset {preset!r} is not known (known: {', '.join(PRESETS)})")
-    return SkySettings(
-        kind=kind,
-        sun=sun if isinstance(sun, SunPosition) else SunPosition(float(sun[0]), float(sun[1])),
-        light=light,
-        preset=preset,
-        quantity=quantity,
-        colour=factors,
-        ground_reflectance=float(ground_reflectance),
-        north_deg=float(north_deg),
-        dew_point=default_dew_point(preset) if dew_point is None else float(dew_point),
-    )
-
-
-def default_dew_point(preset: Preset) -> float:
-    """Dew point [°C] of a preset for weather that has none."""
-    return _DEW_POINTS[preset]
-
-
-def _moment(settings: SkySettings) -> tuple[float, float, int, float]:
-    sun = settings.sun
-    # Radiance's gendaylit takes day 0 for a sun that is given by its angles.
-    unknown = 0 if settings.preset == "radiance" else _MEAN_DISTANCE
-    day = unknown if sun.day is None else sun.day
-    return sun.altitude_deg, sun.azimuth_deg - settings.north_deg, day, settings.dew_point
-
-
-def _choices(settings: SkySettings) -> tuple[Preset, Quantity, tuple[float, float, float], float]:
-    return settings.preset, settings.quantity, settings.colour, settings.ground_reflectance

@@ -26,7 +26,8 @@ from clerestory.system.grid import Grid
 from clerestory.system.layer import Parts, components
 from clerestory.system.network import Beams, Scattered
 from clerestory.system.spectrum import Spectrum
-from clerestory.system.window import Window, fields, patch_directions
+from clerestory.system.tables import patch_directions
+from clerestory.system.window import Window, fields
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

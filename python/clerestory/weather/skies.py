@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from clerestory._core import ClerestoryError
-from clerestory.sky.model import PARTS, PRESETS, SOLAR_DIAMETER_DEG, Part, Preset, Quantity, default_dew_point
 from clerestory.sky.patches import SkyPatches
 from clerestory.sky.position import Method
+from clerestory.sky.settings import PARTS, PRESETS, SOLAR_DIAMETER_DEG, Part, Preset, Quantity, default_dew_point
 from clerestory.weather.calendar import spells
 from clerestory.weather.inspect import TWILIGHT_DEG
 from clerestory.weather.weather import sun_method
