@@ -133,7 +133,7 @@ def _sides_fit(front: Table, back: Table, score: float) -> Iterator[Finding]:
     yield Finding(severity, "reciprocity", where, text, _MADE_UP)
 
 
-_MADE_UP = "usual for fabrics that a model made from few measurements; otherwise ask how the data were made"
+_MADE_UP = "common where a fabric is modelled from few measurements; otherwise ask how the data were made"
 
 
 def _other_conventions(table: Table) -> Iterator[tuple[str, NDArray[np.float64]]]:
