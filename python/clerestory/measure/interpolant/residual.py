@@ -125,7 +125,7 @@ class Residual:
 
 
 def integral_errors(weights: Floats, values: Floats) -> Errors:
-    """Errors of one integral, by the weights (n,) of independent points and their values (n, 3 or more) as in `Residual`."""
+    """Errors of one integral, by the weights (n,) of independent points and their values (n, 3+) as in `Residual`."""
     squared = weights**2
     return Errors(weights @ values[:, :1], squared @ values[:, 1:2], squared @ values[:, 2:3])
 
