@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from clerestory.cli.common import CommandError, JsonOption, UsageError, about, note, print_json, say, tasks
+from clerestory.cli.measure.keeping import waiting
 from clerestory.cli.measure.options import (
     ColumnOption,
     ConventionOption,
@@ -72,9 +73,6 @@ def import_(
     total = sum(path.stat().st_size for path, _ in listed) or 1
     records: list[str] = []
     added, done = Added(), 0
-
-    def waiting() -> None:
-        note("note: another program writes to the database; waiting for it")
 
     with Database.open(db, create=True, waiting=waiting) as database, tasks() as progress:
         with database.transaction(waiting=waiting):

@@ -44,6 +44,7 @@ _FILTERS = {
     "spheres": ("sample",),
     "files": ("sample",),
     "models": ("sample",),
+    "reports": ("sample",),
 }
 
 
@@ -117,7 +118,7 @@ def _rows(
     if kind == "models":
         return database.models(sample=sample)
     if kind == "reports":
-        return database.reports()
+        return database.reports(sample=sample)
     return database.configurations() if kind == "configurations" else database.notes()
 
 
@@ -210,7 +211,15 @@ _COLUMNS: dict[str, tuple[tuple[str, str], ...]] = {
         ("scans", "scans"),
         ("sphere", "sphere_values"),
     ),
-    "reports": (("report", "id"), ("name", "name"), ("file", "file_name"), ("made", "made"), ("models", "models")),
+    "reports": (
+        ("report", "id"),
+        ("name", "name"),
+        ("of", "kind"),
+        ("file", "file_name"),
+        ("made", "made"),
+        ("samples", "samples"),
+        ("models", "models"),
+    ),
     "configurations": (
         ("configuration", "id"),
         ("instrument", "instrument"),
