@@ -61,7 +61,7 @@ def test_checks_are_found_by_sample_run_and_prepared_scans(database):
     assert [check.report for check in database.checks(sample="twill")] == [of_raw, of_prepared]
     assert [check.report for check in database.checks(model=prepared)] == [of_prepared]
     run = database.runs()[0]
-    assert [check.report for check in database.checks(run=run.id)][0] == of_raw
+    assert database.checks(run=run.id)[0].report == of_raw
     report = database.add_report("r", b"y", file_name="r.pdf", samples=["twill"])
     assert [one.id for one in database.reports(sample="twill")] == [of_raw, of_prepared, report]
     assert database.report(report).samples == ("twill",)

@@ -107,6 +107,12 @@ def _kept(database: Database, kind: str, number: int, output: Path) -> list[Path
             with zipfile.ZipFile(io.BytesIO(content)) as archive:
                 files = {name: archive.read(name) for name in model.files}
     if len(files) == 1 and not output.is_dir():
+        name = Path(next(iter(files)))
+        if output.suffix.lower() != name.suffix.lower():
+            raise UsageError(
+                f"{output}: {kind}:{number} is {name.name} (end the name with {name.suffix or 'nothing'}, or give a"
+                " folder that exists)"
+            )
         write_whole(output, next(iter(files.values())))
         return [output]
     if output.exists() and not output.is_dir():

@@ -78,6 +78,9 @@ def _found(database: Database, what: str) -> tuple[object, list[str]]:
         made = database.made_as(mark)
         if not files and made is not None:
             return _numbered(database, "model", made)
+        report = next((one for one in database.reports() if one.sha256 == mark), None)
+        if not files and report is not None:
+            return _numbered(database, "report", report.id)
         if not files:
             raise UsageError(f"{what}: not in {database.location} (take it over with `clerestory measure import`)")
     if not files:

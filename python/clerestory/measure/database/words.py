@@ -289,7 +289,8 @@ def _covered(scans: Sequence[StoredScan]) -> list[str]:
     if len(thetas) == 1 and len(phis) <= 1:
         words += f" ({incident_in_words(direction(first.theta_deg, first.phi_deg, side=first.side))})"
     reached = [scan.outgoing_theta_max_deg for scan in scans if scan.outgoing_theta_max_deg is not None]
-    return [words, f"outgoing θ up to {min(reached):.4g}° to {max(reached):.4g}°"] if reached else [words]
+    ends = dict.fromkeys(f"{end(reached):.4g}°" for end in (min, max) if reached)
+    return [words, f"outgoing θ up to {' to '.join(ends)}"] if ends else [words]
 
 
 def _values(scans: Sequence[StoredScan]) -> list[str]:
