@@ -18,7 +18,7 @@ from clerestory.measure.formats.choices import angle_of, one_of, quantity_of, sa
 from clerestory.measure.formats.frame import Frame, halves, signed
 from clerestory.measure.formats.header import HEAD, conditions_of, leading, line_end, lines_of, pair_of
 from clerestory.measure.formats.rows import grouped
-from clerestory.measure.formats.table_columns import WORDS, Column, columns_named, one_band, side_named
+from clerestory.measure.formats.table_columns import ROLES, WORDS, Column, columns_named, one_band, side_named
 from clerestory.measure.formats.table_writing import RESERVED, write
 from clerestory.measure.scan import PURPOSES, Measurement, Scan
 from clerestory.measure.source import Source, digest
@@ -63,17 +63,18 @@ def recognises(data: bytes, name: str) -> bool:
 
 
 def readable(data: bytes, choices: Mapping[str, object]) -> bool:
-    """The same with names that a person gives."""
-    return "columns" in choices and _head(data[:HEAD], choices) is not None
+    """The same with names that a person gives, all of them of points and in the table."""
+    given = choices.get("columns")
+    if not isinstance(given, dict) or not given.keys() <= set(ROLES):
+        return False
+    names = _row(data, leading(data[:HEAD], 0, 1)[1])[0]
+    said = [name for held in given.values() for name in (held if isinstance(held, (list, tuple)) else [held])]
+    return all(str(name) in names for name in said) and _head(data[:HEAD], choices) is not None
 
 
 def _head(data: bytes, choices: Mapping[str, object]) -> _Head | None:
     comments, at, line = leading(data, 0, 1)
-    row = next(iter(lines_of(data[at : at + HEAD])), "")
-    counts = {mark: row.count(mark) for mark in ";\t,"}
-    mark = max(counts, key=lambda m: counts[m])
-    delimiter = mark if counts[mark] else None
-    words = [word.strip().strip('"') for word in (row.split(delimiter) if delimiter else row.split())]
+    words, row, delimiter = _row(data, at)
     given = choices.get("columns") or {}
     if not isinstance(given, dict):
         raise ClerestoryError("columns is not a table of names (give {'theta_o': 'Winkel', ...})")
@@ -85,6 +86,15 @@ def _head(data: bytes, choices: Mapping[str, object]) -> _Head | None:
     pairs = [pair for text in comments for pair in [pair_of(text)] if pair]
     stated = {key.lower(): value for key, value in pairs}
     return _Head([*comments, row], columns, delimiter, end, line, stated)
+
+
+def _row(data: bytes, at: int) -> tuple[list[str], str, str | None]:
+    """Names of columns, the line that they stand in, and what is between them."""
+    row = next(iter(lines_of(data[at : at + HEAD])), "")
+    counts = {mark: row.count(mark) for mark in ";\t,"}
+    mark = max(counts, key=lambda m: counts[m])
+    delimiter = mark if counts[mark] else None
+    return [word.strip().strip('"') for word in (row.split(delimiter) if delimiter else row.split())], row, delimiter
 
 
 def read(data: bytes, name: str, **choices: object) -> Contents:
