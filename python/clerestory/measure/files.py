@@ -125,8 +125,8 @@ def read_bytes(packed: bytes, name: str, **choices: object) -> Contents:
         inner = name[:-3] if data is not packed and name.lower().endswith(".gz") else name
         chosen = next((f for f in all_formats() if f.recognises(data, inner)), None)
         if chosen in (None, table):  # names of columns that a person gives tell which kind of table it is
-            named: list[Format] = [form for form in (table, sphere_csv) if form.readable(data, choices)]
-            chosen = chosen if chosen in named else next(iter(named), chosen)
+            fitting: list[Format] = [form for form in (table, sphere_csv) if form.readable(data, choices)]
+            chosen = chosen if chosen in fitting else next(iter(fitting), chosen)
         if chosen is None:
             raise UnknownFormatError(reason(data, choices))
         contents = _counted_as(chosen, data, inner, choices)

@@ -130,13 +130,13 @@ def column(name: str) -> Column | None:
     return _share(words, factor)
 
 
-def columns_named(words: Sequence[str], given: Mapping[str, object]) -> list[Column | None]:
+def columns_named(words: Sequence[str], said: Mapping[str, str]) -> list[Column | None]:
     """Columns by the names over them; none for what is not known.
 
     Parameters
     ----------
-    given
-        Names in the file by names that are known, for columns that are called otherwise: `{"wavelength": "Wl."}`. The
+    said
+        Names that are known by the file's, for columns that are called otherwise: `{"Wl. (µm)": "wavelength"}`. The
         file's name still tells the unit, in brackets, or that it is per cent.
 
     Raises
@@ -144,20 +144,19 @@ def columns_named(words: Sequence[str], given: Mapping[str, object]) -> list[Col
     ClerestoryError
         A name that is given for a column of the file is not known.
     """
-    theirs = {str(header): str(name) for name, header in given.items()}
     columns = []
     for word in words:
-        said = theirs.get(word)
-        if said is None:
+        name = said.get(word)
+        if name is None:
             columns.append(column(word))
             continue
-        units = [] if _BRACKETS.search(said) else _BRACKETS.findall(word)
-        units += ["%"] if "%" in _BRACKETS.sub(" ", word) and "%" not in said else []
-        known = column(" ".join([said, *(f"({unit})" for unit in units)]))
+        units = [] if _BRACKETS.search(name) else _BRACKETS.findall(word)
+        units += ["%"] if "%" in _BRACKETS.sub(" ", word) and "%" not in name else []
+        known = column(" ".join([name, *(f"({unit})" for unit in units)]))
         if known is None:
             names = ", ".join(dict.fromkeys(KEYS.values()))
             raise ClerestoryError(
-                f"columns: {said!r} of {word!r} is not known for values of a sphere ({names}, or T, Rf, tau n-h, …)"
+                f"columns: {name!r} of {word!r} is not known for values of a sphere ({names}, or T, Rf, tau n-h, …)"
             )
         columns.append(known)
     return columns

@@ -15,7 +15,7 @@ import numpy as np
 
 from clerestory._core import ClerestoryError, FileFormatError
 from clerestory.measure.contents import Contents
-from clerestory.measure.formats.choices import lit_side, sample_of, scatter_of
+from clerestory.measure.formats.choices import columns_said, lit_side, sample_of, scatter_of
 from clerestory.measure.formats.comments import conditions_of, pairs
 from clerestory.measure.formats.header import one_line
 from clerestory.measure.formats.sphere_columns import BANDS, COLLECTED, SCATTERS, SIDES, Column, column, columns_named
@@ -67,13 +67,13 @@ def readable(data: bytes, choices: Mapping[str, object]) -> bool:
         names = _first_names(lines_of(data[:_HEAD]))
     except FileFormatError:
         return False
-    here = _here(choices.get("columns"), names)
-    return bool(here) and all(map(column, here)) and _is_whole(columns_named(names, here))
+    said = _said_here(choices, names)
+    return bool(said) and all(map(column, said.values())) and _is_whole(columns_named(names, said))
 
 
-def _here(given: object, names: Sequence[str]) -> dict[str, object]:
+def _said_here(choices: Mapping[str, object], names: Sequence[str]) -> dict[str, str]:
     """What a person said of columns of this file; what is said of others is for other files."""
-    return {role: name for role, name in given.items() if name in names} if isinstance(given, dict) else {}
+    return {header: name for header, name in columns_said(choices).items() if header in names}
 
 
 def _is_whole(columns: Sequence[Column | None]) -> bool:
@@ -115,10 +115,10 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
     if first == len(lines):
         raise FileFormatError(f"line {first}: no line that names the columns (is the file whole?)")
     separator, names = _names(lines[first])
-    here = _here(choices.get("columns"), names)
-    known = columns_named(names, here)
+    said = _said_here(choices, names)
+    known = columns_named(names, said)
     unknown = [word for word, meaning in zip(names, known, strict=True) if meaning is None]
-    if unknown and not here:
+    if unknown and not said:
         raise FileFormatError(
             f"line {first + 1}: column {unknown[0][:40]!r} is not known (docs/measurements-formats.md has names)"
         )

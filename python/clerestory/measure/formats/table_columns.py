@@ -58,14 +58,13 @@ class Column:
     """What its name says of the quantity or the scatter: bsdf, btdf, …"""
 
 
-def columns_named(words: Sequence[str], given: Mapping[str, object]) -> list[Column]:
+def columns_named(words: Sequence[str], said: Mapping[str, str]) -> list[Column]:
     """Columns by the names over them.
 
     Parameters
     ----------
-    given
-        Names in the file by ours, for those that are called otherwise: `{"theta_o": "Winkel"}`; a list of names for
-        several columns of values.
+    said
+        Our names by the file's, for those that are called otherwise: `{"Winkel": "theta_o"}`.
 
     Raises
     ------
@@ -73,22 +72,20 @@ def columns_named(words: Sequence[str], given: Mapping[str, object]) -> list[Col
         A given name is not in the file, or ours is not known.
     """
     theirs: dict[str, str] = {}
-    for role, said in given.items():
-        names = [str(name) for name in said] if isinstance(said, (list, tuple)) else [str(said)]
+    for name, role in said.items():
         if role not in ROLES:
-            if column(role) is not None and not set(names) & set(words):
+            if column(role) is not None and name not in words:
                 continue  # it is said of a table of a sphere beside this one
             raise ClerestoryError(f"columns: {role!r} is not known ({', '.join(ROLES)})")
-        for name in names:
-            if name not in words:
-                raise ClerestoryError(f"columns: the file has no column {name!r} (it has: {', '.join(words)[:200]})")
-            theirs[name] = role
+        if name not in words:
+            raise ClerestoryError(f"columns: the file has no column {name!r} (it has: {', '.join(words)[:200]})")
+        theirs[name] = role
     columns = [_given(word, theirs[word], theirs) if word in theirs else _known(word) for word in words]
     taken = set(theirs.values())
     columns = [replace(c, role="") if c.role in taken and c.name not in theirs else c for c in columns]
     for role in (*ANGLES, *WORDS):
         if sum(column.role == role for column in columns) > 1:
-            raise FileFormatError(f"two columns are {role} (say by `columns` which one counts)")
+            raise FileFormatError(f"two columns are {role} (say which one counts: --column {role}=HEADER)")
     return columns
 
 
