@@ -133,7 +133,7 @@ def test_documents_come_in_and_out_as_they_are(here, capsys):
         ),
         (("import", "monthly.pdf", "--report-on", "twill", "--side", "f"), "--side f: not known"),
         (("import", "monthly.pdf"), "monthly.pdf: no measurement (--report-on SAMPLE keeps it as a report)"),
-        (("export", "model:1", "-o", "x.xml"), "x.xml: model:1 is m.bsdf.npz (end the name with .npz, or give a"),
+        (("export", "model:1", "-o", "x.xml"), "x.xml: model:1 is m.bsdf.npz (end the name with .npz, or name a"),
         (("export", "report:1", "-o", "x.pdf"), "no report 1 (`clerestory measure list reports` has them)"),
         (("list", "reports", "--sample", "twil"), "no sample 'twil'"),
     ],

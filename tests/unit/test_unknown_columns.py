@@ -23,7 +23,8 @@ def put(folder, text, name="t.csv"):
     ("text", "told"),
     [
         (SPHERE, "a table of angle, wavelenght, T, of which 'wavelenght' is not known: values of a sphere need"
-         " wavelength or band, and T, R or value (name what is called otherwise, such as --column wavelength=wavelenght)"),
+         " wavelength or band, and T, R or value (name what is called otherwise, such as --column"
+         " wavelength=wavelenght)"),
         (UNITS, "of which 'Winkel', 'Bemerkung' are not known (name what counts, such as --column theta=Winkel; other"),
         ("angle,T\n8,0.3\n", "a table of angle, T: values of a sphere need wavelength or band, and T, R or value (add"
          " what is missing: wavelength)"),

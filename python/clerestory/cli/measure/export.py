@@ -107,11 +107,11 @@ def _kept(database: Database, kind: str, number: int, output: Path) -> list[Path
             with zipfile.ZipFile(io.BytesIO(content)) as archive:
                 files = {name: archive.read(name) for name in model.files}
     if len(files) == 1 and not output.is_dir():
-        name = Path(next(iter(files)))
-        if output.suffix.lower() != name.suffix.lower():
+        was = Path(next(iter(files)))
+        if output.suffix.lower() != was.suffix.lower():
             raise UsageError(
-                f"{output}: {kind}:{number} is {name.name} (end the name with {name.suffix or 'nothing'}, or give a"
-                " folder that exists)"
+                f"{output}: {kind}:{number} is {was.name} (end the name with {was.suffix or 'nothing'}, or name a"
+                " folder)"
             )
         write_whole(output, next(iter(files.values())))
         return [output]

@@ -199,8 +199,10 @@ def about_report(database: Database, report: StoredReport) -> list[str]:
     lines += [f"  on sample {sample!r}" for sample in report.samples]
     if report.kind == "check":
         check = database.check(report.id)
-        of = [(len(check.scans), "scan"), (len(check.sphere_values), "set of sphere values", "sets of sphere values")]
-        lines.append(f"  of {' and '.join(counted(*what) for what in of if what[0])}, by clerestory {check.clerestory}")
+        of = [counted(len(check.scans), "scan")] if check.scans else []
+        of += [f"{counted(len(check.sphere_values), 'set')} of sphere values"] if check.sphere_values else []
+        of += [f"model:{model}" for model in check.models]
+        lines.append(f"  of {' and '.join(of)}, by clerestory {check.clerestory}")
         lines.append(f"  {tally(check.findings)}")
         lines += [f"    {finding}" for finding in check.findings]
     return lines + _notes(database, "report", report.id)
