@@ -84,7 +84,10 @@ def test_files_of_a_folder_are_not_touched_by_what_is_said_of_another(tmp_path):
     contents = read(tmp_path, scatter="transmission", columns={"wavelength": "wavelenght"})
     assert [values.sample for values in contents.sphere_values] == ["known", "sphere"]
     assert [len(m.scans) for m in contents.measurements] == [1]
-    assert contents.warnings == ("readme.txt: no format of measurements is recognised; left out",)
+    assert contents.warnings == (
+        "known.csv: there is no column 'wavelenght' (it has: angle, wavelength, T)",
+        "readme.txt: no format of measurements is recognised; left out",
+    )
 
 
 @pytest.mark.parametrize(

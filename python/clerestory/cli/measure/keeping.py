@@ -125,7 +125,8 @@ def stem_of(path: Path) -> str:
     """The name of a data set's file without its suffixes."""
     name = path.name
     for suffix in (".bsdf.npz", ".xml.gz", ".xml", ".npz"):
-        name = name.removesuffix(suffix)
+        if name.lower().endswith(suffix):
+            name = name[: -len(suffix)]
     return name
 
 

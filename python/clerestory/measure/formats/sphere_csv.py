@@ -148,7 +148,13 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
         "front is the exterior; angles from the normal; shares of the light",
     )
     values = tuple(_values(key, shares, conditions, source) for key, shares in found.items())
-    return Contents((), values, tuple(f"{name}: column {word!r} is not known and left out" for word in unknown if word))
+    odd = [f"{name}: column {word!r} is not known and left out" for word in unknown if word]
+    odd += [
+        f"{name}: there is no column {header!r} (it has: {', '.join(names)})"
+        for header in columns_said(choices)
+        if header not in names
+    ]
+    return Contents((), values, tuple(odd))
 
 
 def _check(columns: Sequence[Column], line: int) -> None:
