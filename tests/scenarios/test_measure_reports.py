@@ -62,6 +62,9 @@ def test_a_check_is_shown_with_its_sample_and_its_run(here, capsys):
     told = json.loads(run(capsys, "show", "twill", *DB, "--json")[1])
     assert [finding["severity"] for finding in told["checks"][0]["findings"]].count("error") >= 1
     assert json.loads(run(capsys, "show", "report:1", *DB, "--json")[1])["check"]["scans"] == [1, 2]
+    _, out, _ = run(capsys, "list", "checks", "--sample", "twill", *DB)
+    assert out.splitlines()[1].split("  ")[-1] == tally
+    assert json.loads(run(capsys, "list", "checks", *DB, "--json")[1])[0]["sample"] == "twill"
     assert run(capsys, "remove", "report:1", *DB)[0] == 0
     told = json.loads(run(capsys, "check", "twill", *DB, "--no-keep", "--json")[1])
     assert told["samples"][0]["kept"] is None
@@ -136,6 +139,7 @@ def test_documents_come_in_and_out_as_they_are(here, capsys):
         (("export", "model:1", "-o", "x.xml"), "x.xml: model:1 is m.bsdf.npz (end the name with .npz, or name a"),
         (("export", "report:1", "-o", "x.pdf"), "no report 1 (`clerestory measure list reports` has them)"),
         (("list", "reports", "--sample", "twil"), "no sample 'twil'"),
+        (("remove", "report:1"), "no report 1 (`clerestory measure list reports` has them)"),
     ],
 )
 def test_wrong_words_in_one_line(here, capsys, words, told):

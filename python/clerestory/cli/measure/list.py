@@ -30,6 +30,7 @@ _KINDS = (
     "files",
     "models",
     "reports",
+    "checks",
     "configurations",
     "notes",
     "instruments",
@@ -45,6 +46,7 @@ _FILTERS = {
     "files": ("sample",),
     "models": ("sample",),
     "reports": ("sample",),
+    "checks": ("sample",),
 }
 
 
@@ -119,6 +121,8 @@ def _rows(
         return database.models(sample=sample)
     if kind == "reports":
         return database.reports(sample=sample)
+    if kind == "checks":
+        return database.checks(sample=sample)
     return database.configurations() if kind == "configurations" else database.notes()
 
 
@@ -220,6 +224,7 @@ _COLUMNS: dict[str, tuple[tuple[str, str], ...]] = {
         ("samples", "samples"),
         ("models", "models"),
     ),
+    "checks": (("report", "report"), ("sample", "sample"), ("made", "made"), ("found", "tally")),
     "configurations": (
         ("configuration", "id"),
         ("instrument", "instrument"),

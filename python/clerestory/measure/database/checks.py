@@ -94,6 +94,7 @@ class Checks(Reports):
         told = json.loads(self.report_bytes(number))
         return StoredCheck(
             number,
+            told["sample"],
             report.made,
             told["clerestory"],
             tuple(Finding(**finding) for finding in told["findings"]),

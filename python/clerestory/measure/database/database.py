@@ -39,7 +39,9 @@ class Database(Checks):
         table = tables.metadata.tables[f"{subject}s"]
         with self.transaction():
             if self._connection.execute(select(table.c.id).where(table.c.id == number)).first() is None:
-                raise ClerestoryError(f"{self.location}: no {subject} {number}")
+                raise ClerestoryError(
+                    f"{self.location}: no {subject} {number} (`clerestory measure list {subject}s` has them)"
+                )
             if subject in ("model", "report"):
                 self._remove_product(subject, table, number)
             else:

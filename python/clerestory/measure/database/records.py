@@ -259,6 +259,7 @@ class StoredCheck:
 
     report: int
     """Its number among the reports."""
+    sample: str
     made: datetime
     clerestory: str
     """The version that looked."""
@@ -272,7 +273,12 @@ class StoredCheck:
     @property
     def words(self) -> str:
         """Of which day, and how much was found."""
-        return f"check of {self.made:%Y-%m-%d %H:%M}: {tally(self.findings)} (report:{self.report})"
+        return f"check of {self.made:%Y-%m-%d %H:%M}: {self.tally} (report:{self.report})"
+
+    @property
+    def tally(self) -> str:
+        """How much was found."""
+        return tally(self.findings)
 
 
 @dataclass(frozen=True)
