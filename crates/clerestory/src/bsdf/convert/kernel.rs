@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::leaves;
 use super::overlap::shares;
 use super::points::Points;
+use super::{leaves, lobes};
 use crate::bsdf::{Beam, Cells, Matrix, Model, Part, Scatterer, Specular, Turn};
 use crate::direction::Disk;
 use crate::error::Result;
@@ -75,12 +75,12 @@ pub fn means(model: &Model, turn: Turn, incident: &Points, outgoing: &Points, pr
             leaves::means(tree, turn, &incident.basis, &outgoing.basis, progress).map(Means::exact)
         }
         Model::Beam(beam) if turn == Turn::NONE && on_patches(beam, incident, outgoing) => Ok(of_beam(beam, outgoing)),
+        Model::Interpolant(i) => lobes::means(i, turn, incident, outgoing, progress),
         Model::Tree(_)
         | Model::Specular(_)
         | Model::Beam(_)
         | Model::Reversed(_)
         | Model::Separated(_)
-        | Model::Interpolant(_)
         | Model::Filtered(_) => of_points(model, turn, incident, outgoing, progress),
     }
 }
@@ -172,7 +172,7 @@ fn of_points(model: &Model, turn: Turn, incident: &Points, outgoing: &Points, pr
 }
 
 /// Runs `row` over all incident patches; it sums samples into rows of the even and the odd ones.
-fn rows(
+pub fn rows(
     incident: &Points,
     outgoing: &Points,
     progress: &Progress,

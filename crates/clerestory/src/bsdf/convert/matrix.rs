@@ -27,8 +27,8 @@ pub struct Conversion {
 /// that they fall into; separated peaks go back into their tables. Nothing is scaled afterwards: the error of the direct-hemispherical values is reported instead.
 ///
 /// Matrices, tensor trees, Lambertian models and ideal beams of one value are converted exactly, by the overlaps of patches and
-/// cells (isotropic trees in steps of a quarter degree of azimuth). All others are sampled, by the same directions for every
-/// number of threads.
+/// cells (isotropic trees in steps of a quarter degree of azimuth). Interpolants spread the light of one incident direction for
+/// every 16 pairs. All others are sampled, by the same directions for every number of threads.
 pub fn to_matrix(
     model: &Model,
     incident: &Arc<Basis>,

@@ -44,6 +44,17 @@ impl Points {
         }
     }
 
+    /// The first ones of each patch, so many times fewer: an even number.
+    pub fn thinned(&self, times: usize) -> Self {
+        Self {
+            basis: self.basis.clone(),
+            count: (self.count / times / 2 * 2).max(2),
+            role: self.role,
+            seed: self.seed,
+            disks: OnceLock::new(),
+        }
+    }
+
     /// All points, patch by patch.
     pub fn all(&self) -> &[Disk] {
         self.disks.get_or_init(|| {

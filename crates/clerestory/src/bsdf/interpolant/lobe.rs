@@ -32,6 +32,11 @@ impl Lobe {
     pub fn amplitude(&self) -> f64 {
         self.flux / unit_flux(self.centre, self.radius2)
     }
+
+    /// A direction, drawn by what it carries over solid angle.
+    pub fn draw(&self, u: [f64; 2]) -> Disk {
+        draw(vector(self.centre), self.radius2, u)
+    }
 }
 
 /// Integral of a lobe of amplitude 1 over solid angle.
