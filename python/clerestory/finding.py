@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
+
+from clerestory.counts import counted
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 Severity = Literal["error", "warning", "note"]
 SEVERITIES: tuple[Severity, Severity, Severity] = ("error", "warning", "note")
@@ -27,3 +32,10 @@ class Finding:
     def __str__(self) -> str:
         place = f"{self.where}: " if self.where else ""
         return f"{self.severity}: {place}{self.what}" + (f" ({self.remedy})" if self.remedy else "")
+
+
+def tally(findings: Iterable[Finding]) -> str:
+    """How many of each severity there are: `1 error, 2 notes`, or `nothing found`."""
+    severities = [finding.severity for finding in findings]
+    counts = [(severities.count(severity), severity) for severity in SEVERITIES]
+    return ", ".join(counted(count, severity) for count, severity in counts if count) or "nothing found"

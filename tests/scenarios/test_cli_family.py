@@ -6,6 +6,7 @@ import json
 import pytest
 
 import clerestory
+from clerestory.annual import study
 from clerestory.cli import main
 from clerestory.system import family
 from clerestory.system.product import product_of
@@ -133,6 +134,20 @@ def test_a_study_takes_a_family(folder, cache, capsys, given):
     assert {rows[hour] for hour in ("10", "12", "14")} == {"tilt_0"}
     assert rows["02"] == "up"
     assert any(cache.glob("family-*/family.json"))
+
+
+def test_a_family_that_is_damaged_in_the_cache_is_made_again(folder, tmp_path):
+    clock = 'kind = "schedule"\ntimes = [{state = "up"}]\n'
+    (folder / "study.toml").write_text(STUDY.replace("FAMILY", "built") + clock)
+    study.load(folder / "study.toml", cache=tmp_path)
+    (manifest,) = tmp_path.glob("family-*/family.json")
+    state = manifest.parent / "tilt_40.bsdf.npz"
+    for damage in (lambda: state.write_bytes(b"half"), state.unlink, lambda: manifest.write_text("{")):
+        damage()
+        made = study.load(folder / "study.toml", cache=tmp_path)
+        assert "it is made again" in made.cache.warnings[0]
+        assert state.stat().st_size > 1000
+    assert study.load(folder / "study.toml", cache=tmp_path).cache.warnings == []
 
 
 def test_a_schedule_of_tilts_takes_the_nearest_state(folder, cache, capsys):

@@ -115,6 +115,17 @@ def test_from_raw_scans_to_a_calibrated_model(here, capsys):
         assert run(capsys, "remove", f"model:{number}", *DB)[0] == 0
 
 
+def test_a_sphere_with_names_of_its_own_and_a_picture_in_capitals(here, capsys):
+    (here / "own.csv").write_text(SPHERE.replace("value", "Messwert"))
+    words = ("calibrate", "raw", "--sphere", "own.csv", "--picture", "MAP.PNG")
+    code, _, err = run(capsys, *words)
+    assert (code, "such as --column value=Messwert)" in err) == (1, True)
+    code, out, err = run(capsys, *words, "--column", "value=Messwert", "--column", "phi=Drehung")
+    assert (code, "0.4000" in out) == (0, True)
+    assert "warning: own.csv: there is no column 'Drehung' (it has: sample, angle," in err
+    assert (here / "MAP.PNG").read_bytes().startswith(b"\x89PNG")
+
+
 def test_what_is_there_is_shown(here, capsys):
     _, out, _ = run(capsys, "list", "spheres", *DB)
     assert "exterior  transmission  hemispherical  θ 8°, φ 0°  visible" in out
@@ -181,6 +192,11 @@ def test_a_laboratorys_convention_at_import(here, capsys, name, phi_deg, words):
         (("note", "lamp:1", "x", *DB), "lamp:1: not something to write a note on (give sample:N, instrument:N"),
         (("remove", "run:1", *DB), "run:1: not something to remove (give file:N, scan:N, model:N, report:N"),
         (("export", "model:1", "-o", "x", "--date", "2020", *DB), "choose scans (leave them out)"),
+        (
+            ("calibrate", "film", "--sphere", "film", "--picture", "x.doc", *DB),
+            "--picture x.doc: not a kind of picture",
+        ),
+        (("calibrate", "film", "--sphere", "x.csv", *DB), "x.csv: neither a file nor a sample of lab.sqlite"),
         (("import", "raw", "--convention", "epfl", *DB), "--convention epfl: not known (give clerestory or hslu"),
     ],
 )

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from clerestory import ClerestoryError
-from clerestory.annual.cache import Cache
+from clerestory.annual.cache import FOLDERS, Cache
 from clerestory.annual.pruning import UNFINISHED, entries, prune
 from clerestory.cli import main
+from clerestory.system.family.manifest import MANIFEST
 
 DAY = 86400
 
@@ -79,6 +80,92 @@ def test_nothing_goes_while_a_study_runs(folder):
         study.stdin.close()
         study.stdout.close()
     assert len(prune(folder, 0)) == len(before)
+
+
+def family(place, days_ago, *, states=3):
+    """A folder of a family as a study keeps it, last used so many days ago."""
+
+    def make(home):
+        home.mkdir()
+        for k in range(states):
+            (home / f"tilt_{k}.bsdf.npz").write_bytes(bytes(8000))
+        (home / MANIFEST).write_text("{}")
+        when = home.stat().st_mtime - days_ago * DAY
+        for path in (*home.iterdir(), home):
+            os.utime(path, (when, when))
+
+    return Cache(place).folder_of("family", [days_ago], make)
+
+
+def test_families_are_listed_and_go_whole(folder, capsys):
+    old, new = family(folder, 10), family(folder, 0.5)
+    assert FOLDERS["family"] == MANIFEST
+    found = {entry.path: entry for entry in entries(folder)}
+    assert (found[old].kind, found[old].size) == ("family", 3 * 8000 + 2)
+    assert main(["cache", "--cache", str(folder), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["kinds"]["family"] == {
+        "entries": 2, "bytes": 2 * found[old].size, "used_days_ago": [0.5, 10.0]
+    }  # fmt: skip
+    # The older one was used for longest not; the newer one is what was used last.
+    (removed,) = prune(folder, sum(entry.size for entry in found.values()) - 1)
+    assert (removed.path, old.exists(), len([*new.iterdir()])) == (old, False, 4)
+    prune(folder, found[new].size)
+    assert [entry.path for entry in entries(folder)] == [new]
+    prune(folder, 0)
+    assert [path.name for path in folder.iterdir()] == ["notes.txt"]
+
+
+def test_a_family_that_a_study_takes_is_used(folder):
+    old = family(folder, 10)
+    cache = Cache(folder)
+    assert cache.folder_of("family", [10], lambda home: pytest.fail(f"{home} is there")) == old
+    assert entries(folder)[0].path == old
+    assert cache.found == ["family"]
+
+
+def test_a_family_is_safe_while_its_study_runs(tmp_path):
+    """Also where the folder of the cache comes into being with it."""
+    code = (
+        "import sys; from pathlib import Path; from clerestory.annual.cache import Cache; cache = Cache(sys.argv[1]);"
+        "cache.folder_of('family', [1], lambda home: (home.mkdir(), (home / 'family.json').write_text('{}')));"
+        "print('ready', flush=True); sys.stdin.readline()"
+    )
+    place = tmp_path / "new"
+    study = subprocess.Popen(
+        [sys.executable, "-c", code, str(place)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    try:
+        assert study.stdout.readline() == "ready\n"
+        with pytest.raises(ClerestoryError, match="a study that runs uses it"):
+            prune(place, 0)
+        assert len(entries(place)) == 1
+    finally:
+        study.kill()
+        study.wait()
+        study.stdin.close()
+        study.stdout.close()
+    assert len(prune(place, 0)) == 1
+
+
+def test_a_family_that_is_not_whole_goes_first(folder):
+    left = family(folder, 0)
+    (left / MANIFEST).unlink()
+    (left / ".family-abc").mkdir()
+    (removed,) = prune(folder, 10**9)
+    assert (removed.path, removed.kind, left.exists()) == (left, UNFINISHED, False)
+
+
+def test_folders_of_others_are_left_alone(folder):
+    hexed = "0" * 40
+    for name in (f"photos-{hexed}", f"family-{hexed[1:]}", "family-album"):
+        (folder / name).mkdir()
+    elsewhere = folder.parent / "elsewhere"
+    elsewhere.mkdir()
+    (elsewhere / MANIFEST).write_text("{}")
+    (folder / f"family-{hexed}").symlink_to(elsewhere)
+    assert len(prune(folder, 0)) == 5
+    assert len([*folder.iterdir()]) == 5
+    assert (elsewhere / MANIFEST).exists()
 
 
 def test_the_command(folder, capsys):

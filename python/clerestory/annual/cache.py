@@ -17,7 +17,7 @@ from clerestory._core import ClerestoryError
 from clerestory.whole import write_whole
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from numpy.typing import NDArray
 
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 VERSION = 1
 """Of the files and of what is computed: a file of another version is not found."""
+FOLDERS = {"family": "family.json"}
+"""Kinds that are folders of files, with the file in each that is written last: without it a folder is not whole."""
 
 
 def default_folder() -> Path:
@@ -132,6 +134,35 @@ class Cache:
         self._hold()
         write_whole(path, buffer.getvalue())
         return made
+
+    def folder_of(self, kind: str, parts: Iterable[object], make: Callable[[Path], object]) -> Path:
+        """A folder of files that belong together, made if it is not there whole.
+
+        Parameters
+        ----------
+        kind
+            One of `FOLDERS`.
+        parts
+            All that it depends on, as `digest` takes them.
+        make
+            Called with the folder to be made.
+
+        Raises
+        ------
+        OSError
+            It cannot be made.
+        """
+        home = self.folder / f"{kind}-{digest(*parts)[:40]}"
+        last = home / FOLDERS[kind]
+        if last.is_file():
+            self.found.append(kind)
+            _mark_used(last)
+            return home
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self._hold()
+        make(home)
+        self.computed.append(kind)
+        return home
 
     def _read(self, path: Path) -> Arrays | None:
         if not path.is_file():

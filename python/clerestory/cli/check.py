@@ -83,7 +83,9 @@ def _results(file: Path, purpose: Purpose | None) -> tuple[list[Finding], list[F
 
 
 def _say(file: Path, findings: list[Finding], flows: list[Flow], *, last: bool) -> None:
-    say(f"{file}: {_counts(findings)}")
+    from clerestory.finding import tally
+
+    say(f"{file}: {tally(findings)}")
     for finding in findings:
         say(f"  {finding}")
     # Reflection speaks where there is nothing else: up and down are best told from what passes.
@@ -93,11 +95,3 @@ def _say(file: Path, findings: list[Finding], flows: list[Flow], *, last: bool) 
         say(f"  {flow.words}")
     if not last:
         say()
-
-
-def _counts(findings: list[Finding]) -> str:
-    from clerestory.check import SEVERITIES
-
-    counts = {severity: sum(f.severity == severity for f in findings) for severity in SEVERITIES}
-    words = [f"{count} {severity}{'' if count == 1 else 's'}" for severity, count in counts.items() if count]
-    return ", ".join(words) or "nothing found"

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, cast
 from clerestory._core import ClerestoryError, FileFormatError, gunzip
 from clerestory.files import named
 from clerestory.measure.contents import Contents
-from clerestory.measure.formats import FORMATS, UnknownFormatError, all_formats, table
+from clerestory.measure.formats import FORMATS, UnknownFormatError, all_formats, sphere_csv, table
 from clerestory.measure.formats.choices import CHOICES
 from clerestory.measure.formats.header import HEAD
+from clerestory.measure.formats.unknown import reason
 from clerestory.measure.source import digest
 from clerestory.whole import whole_file
 
@@ -123,13 +124,11 @@ def read_bytes(packed: bytes, name: str, **choices: object) -> Contents:
         # What the suffix before tells, it tells of the packed file, too.
         inner = name[:-3] if data is not packed and name.lower().endswith(".gz") else name
         chosen = next((f for f in all_formats() if f.recognises(data, inner)), None)
-        if chosen is None and table.readable(data, choices):
-            chosen = table
+        if chosen in (None, table):  # names of columns that a person gives tell which kind of table it is
+            fitting: list[Format] = [form for form in (table, sphere_csv) if form.readable(data, choices)]
+            chosen = chosen if chosen in fitting else next(iter(fitting), chosen)
         if chosen is None:
-            raise UnknownFormatError(
-                "no format of measurements is recognised (docs/measurements.md lists them; a table with other names of "
-                "columns needs `columns`)"
-            )
+            raise UnknownFormatError(reason(data, choices))
         contents = _counted_as(chosen, data, inner, choices)
     return contents if data is packed else _sourced(contents, name, digest(packed))
 

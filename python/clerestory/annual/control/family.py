@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from clerestory._core import __version__
-from clerestory.annual.cache import digest
+from clerestory._core import FileFormatError, __version__
 from clerestory.annual.traced import kept
 from clerestory.system import family as families
 from clerestory.system.family.manifest import MANIFEST
@@ -102,11 +101,18 @@ def _found(path: Path, step: float | None, cache: Cache, tell: Tell | None) -> F
     if is_built and step is None:
         return families.read(path)
     marks = [path.read_bytes()] if is_built else list(_contents(path))
-    home = cache.folder / f"family-{digest(__version__, step, *marks)[:40]}"
-    if not (home / MANIFEST).is_file():
+
+    def make(home: Path) -> None:
         made = families.read(path) if is_built else families.load(path).make(kept(cache, tell))
         families.write(made if step is None else made.refined(step), home)
-    return families.read(home)
+
+    home = cache.folder_of("family", (__version__, step, *marks), make)
+    try:
+        return families.read(home)
+    except (FileFormatError, FileNotFoundError) as error:
+        cache.warnings.append(f"{error}; it is made again")
+        make(home)
+        return families.read(home)
 
 
 def _contents(path: Path, seen: frozenset[Path] = frozenset()) -> Iterator[bytes]:

@@ -23,7 +23,15 @@ from clerestory.cli.common import (
 )
 from clerestory.cli.measure.inputs import contents_of, measurement_of, refuse_to_write_over
 from clerestory.cli.measure.keeping import KeepOption, Kept, Made, NoteOption, keep, tell_written
-from clerestory.cli.measure.options import DatabaseOption, DateOption, LaboratoryOption, SampleOption
+from clerestory.cli.measure.options import (
+    ColumnOption,
+    DatabaseOption,
+    DateOption,
+    LaboratoryOption,
+    SampleOption,
+    check_picture,
+    choices_of,
+)
 from clerestory.endings import is_bsdf, stem_of
 
 if TYPE_CHECKING:
@@ -70,6 +78,7 @@ def calibrate(
         str, typer.Option("--format", metavar="FORMAT", help="For scans: mountain, iea21, astm, zemax, csv, …")
     ] = "mountain",
     sample: SampleOption = None,
+    column: ColumnOption = None,
     db: DatabaseOption = None,
     laboratory: LaboratoryOption = None,
     date: DateOption = None,
@@ -88,11 +97,11 @@ def calibrate(
 
     part = one_of(scaling, "--scale", _SCALINGS)
     weighed = one_of(standard, "--standard", _STANDARDS)
-    if picture is not None and picture.suffix not in (".png", ".pdf", ".svg"):
-        raise UsageError(f"--picture {picture}: not a kind of picture (give .png, .pdf or .svg)")
+    check_picture(picture)
     if output is not None:
         refuse_overwriting(output, [Path(data), *map(Path, sphere)])
-    values = _sphere_values(sphere, sample, db)
+    choices = choices_of(None, None, None, column)
+    values = _sphere_values(sphere, sample, db, choices)
     words = [data, *sphere]
     said = {
         "scale": part,
@@ -118,12 +127,15 @@ def calibrate(
     form = one_of(format_, "--format", tuple(writable_formats()))
     if output is not None:
         refuse_to_write_over(output, [data])
-    measurement = measurement_of([data], db, sample, {}, laboratory=laboratory, date=date)
+    of_files = choices if Path(data).exists() else {}
+    measurement = measurement_of([data], db, sample, of_files, laboratory=laboratory, date=date)
     _scans(measurement, values, output, part, weighed, picture, form, keeping, as_json=as_json)
 
 
-def _sphere_values(words: list[str], sample: str | None, db: str | None) -> list[SphereValues]:
-    found = contents_of(words, db, {}).sphere_values
+def _sphere_values(
+    words: list[str], sample: str | None, db: str | None, choices: dict[str, object]
+) -> list[SphereValues]:
+    found = contents_of(words, db, choices).sphere_values
     samples = list(dict.fromkeys(v.sample for v in found))
     if not samples:
         raise UsageError(f"--sphere {' '.join(words)}: no values of a sphere in it")

@@ -6,7 +6,8 @@ from typing import Annotated
 
 import typer
 
-from clerestory.cli.common import JsonOption, print_json, say
+from clerestory.cli.common import JsonOption, note, print_json, say
+from clerestory.cli.measure.keeping import KeepOption, keep_checks
 from clerestory.cli.measure.options import (
     ColumnOption,
     ConventionOption,
@@ -28,29 +29,36 @@ def check(
     scatter: FileScatterOption = None,
     convention: ConventionOption = None,
     column: ColumnOption = None,
+    keep: KeepOption = True,
     as_json: JsonOption = False,
 ) -> None:
     """Check measurements: mistakes of angles and of light, drift, symmetry, and a sphere beside the goniophotometer.
 
     Files that are named together are taken together: scans of one sample, its beam and its sphere values. The exit code
-    is 1 if a sample has errors, 0 otherwise.
+    is 1 if a sample has errors, 0 otherwise. What is found of samples of the database is kept there with them.
 
     Example: clerestory measure check twill/ sphere.csv
     """
     from clerestory.counts import counted
-    from clerestory.finding import SEVERITIES
+    from clerestory.finding import tally
     from clerestory.measure.check import check_contents
-    from clerestory.measure.given import contents_given
+    from clerestory.measure.given import contents_given, from_database
 
     choices = choices_of(side, scatter, convention, column)
     contents = contents_given(words, database=db, **choices)  # type: ignore[arg-type]  # what files do not say
     results = check_contents(contents)
+    kept = keep_checks(contents, results, db) if keep and from_database(words, db) else {}
     held = {m.sample: m for m in contents.measurements}
     if as_json:
         print_json(
             {
                 "samples": [
-                    {"sample": name, "scans": len(held.get(name, ())), "findings": findings}
+                    {
+                        "sample": name,
+                        "scans": len(held.get(name, ())),
+                        "findings": findings,
+                        "kept": kept.get(name),
+                    }
                     for name, findings in results.items()
                 ],
                 "warnings": contents.warnings,
@@ -60,11 +68,11 @@ def check(
         for text in contents.warnings:
             say(f"warning: {text}")
         for name, findings in results.items():
-            counts = {severity: sum(f.severity == severity for f in findings) for severity in SEVERITIES}
-            told = ", ".join(counted(count, severity) for severity, count in counts.items() if count)
             scans = counted(len(held[name]), "scan") if name in held else "values of a sphere"
-            say(f"{name} ({scans}): {told or 'nothing found'}")
+            say(f"{name} ({scans}): {tally(findings)}")
             for finding in findings:
                 say(f"  {finding}")
+        for one in kept.values():
+            note(one.words)
     if any(finding.severity == "error" for findings in results.values() for finding in findings):
         raise typer.Exit(1)

@@ -107,6 +107,12 @@ def _kept(database: Database, kind: str, number: int, output: Path) -> list[Path
             with zipfile.ZipFile(io.BytesIO(content)) as archive:
                 files = {name: archive.read(name) for name in model.files}
     if len(files) == 1 and not output.is_dir():
+        was = Path(next(iter(files)))
+        if output.suffix.lower() != was.suffix.lower():
+            raise UsageError(
+                f"{output}: {kind}:{number} is {was.name} (end the name with {was.suffix or 'nothing'}, or name a"
+                " folder)"
+            )
         write_whole(output, next(iter(files.values())))
         return [output]
     if output.exists() and not output.is_dir():

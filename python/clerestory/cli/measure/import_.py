@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from clerestory.cli.common import CommandError, JsonOption, UsageError, about, note, print_json, say, tasks
+from clerestory.cli.measure.keeping import waiting
 from clerestory.cli.measure.options import (
     ColumnOption,
     ConventionOption,
@@ -18,6 +19,7 @@ from clerestory.cli.measure.options import (
     FileSideOption,
     choices_of,
 )
+from clerestory.cli.measure.reports import DOCUMENTS, import_reports
 
 if TYPE_CHECKING:
     from clerestory.measure.database import Added, Database
@@ -48,19 +50,33 @@ def import_(
     replace: Annotated[
         bool, typer.Option("--replace", help="Read known files again, with what is said now; their old scans go.")
     ] = False,
+    report_on: Annotated[
+        str | None,
+        typer.Option(
+            "--report-on",
+            metavar="SAMPLE|model:N",
+            help="The files are reports (PDF, HTML, text) on this sample or model, and are kept as they are.",
+        ),
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Take over what instruments saw into the laboratory's database, which is made if there is none.
 
     An import is done whole or not at all: with Ctrl-C, or if a file is damaged, the database stays as it was. A file
     that is known by its bytes is not taken twice. Formats are told by content; in a folder, what is no measurement is
-    left out.
+    left out. With --report-on, documents are taken over instead: `show`, `list reports`, `export report:1` and `remove
+    report:1` know them then.
 
     Example: clerestory measure import pg2/ --sample twill --laboratory HSLU --db lab.sqlite
     """
     from clerestory.measure.database import Added, Database, catalogue
 
     choices = choices_of(side, scatter, convention, column)
+    if report_on is not None:
+        if choices or replace or (sample, laboratory, operator, date, instrument) != (None,) * 5:
+            raise UsageError("--report-on: other options tell of scans, not of reports (leave them out, save --db)")
+        import_reports([Path(word) for word in files], report_on, db, as_json=as_json)
+        return
     if date is not None:
         _check_day(date)
     said = {"laboratory": laboratory, "operator": operator, "date": date, "instrument": instrument}
@@ -72,9 +88,6 @@ def import_(
     total = sum(path.stat().st_size for path, _ in listed) or 1
     records: list[str] = []
     added, done = Added(), 0
-
-    def waiting() -> None:
-        note("note: another program writes to the database; waiting for it")
 
     with Database.open(db, create=True, waiting=waiting) as database, tasks() as progress:
         with database.transaction(waiting=waiting):
@@ -140,6 +153,8 @@ def _file(
     try:
         contents = read([path], strict=False, **choices)
     except UnknownFormatError as error:
+        if not of_folder and path.suffix.lower() in DOCUMENTS:
+            raise CommandError(f"{path}: no measurement (--report-on SAMPLE keeps it as a report)") from error
         if not of_folder:
             raise
         what = str(error).removeprefix(f"{path}: ").partition(" (")[0]

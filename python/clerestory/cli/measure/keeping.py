@@ -14,7 +14,9 @@ from clerestory.cli.common import CommandError, in_one_line, is_expected, note
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
+    from clerestory.finding import Finding
     from clerestory.measure import Scan, SphereValues
+    from clerestory.measure.contents import Contents
     from clerestory.measure.database import Database, Origin
     from clerestory.measure.database.records import Kind
 
@@ -84,6 +86,33 @@ def keep(context: typer.Context, made: Made, words: Sequence[str], db: str | Non
         raise CommandError(f"{files}: written, but not kept in the database: {in_one_line(error)}") from error
 
 
+def keep_checks(contents: Contents, results: Mapping[str, Sequence[Finding]], db: str | None) -> dict[str, Kept]:
+    """Keep what a check found of each sample in the database that its scans and sphere values were looked up in.
+
+    A database that cannot be written to is told of; the findings are there to be read.
+    """
+    from clerestory.cli.measure.options import open_database
+
+    kept = {}
+    try:
+        with open_database(db) as database, database.transaction(waiting=waiting):
+            for sample, findings in results.items():
+                scans = [scan for m in contents.measurements if m.sample == sample for scan in m.scans]
+                spheres = [v for v in contents.sphere_values if v.sample in ((sample, "") if scans else (sample,))]
+                kept[sample] = _kept_check(database, sample, findings, scans, spheres)
+    except Exception as error:
+        if not is_expected(error):
+            raise
+        note(f"warning: not kept in the database: {in_one_line(error)}")
+        return {}
+    return kept
+
+
+def waiting() -> None:
+    """Say that another program is in the way."""
+    note("note: another program writes to the database; waiting for it")
+
+
 def tell_written(written: Iterable[Path], kept: Kept | None) -> None:
     """Say which files there are now, and where the result is kept."""
     for path in written:
@@ -97,22 +126,18 @@ def _kept(database: Database, made: Made, command: str) -> Kept:
 
     place = str(database.location)
 
-    def without(missing: object) -> Kept:
-        words = f"note: not kept in {place}, which does not have {missing} (`clerestory measure import` takes scans in)"
-        return Kept(place, None, new=False, report=None, words=words)
-
     parents = []
     if made.model is not None:
         parent = database.made_as(digest(made.model.read_bytes()))
         if parent is None:
-            return without(made.model)
+            return _without(place, made.model)
         parents = [parent]
     origin = database.origin(made.scans, made.spheres)
     if origin.unknown:
-        return without(origin.unknown[0])
+        return _without(place, origin.unknown[0])
     file_name, data = _content(made.written)
     files = {path.name: digest(path.read_bytes()) for path in made.written}
-    with database.transaction():
+    with database.transaction(waiting=waiting):
         sample = _sample(database, origin, parents)
         before = {model.id for model in database.models(sample=sample)}
         number = database.add_model(
@@ -132,10 +157,18 @@ def _kept(database: Database, made: Made, command: str) -> Kept:
         new = number not in before
         if made.note and all(known.text != made.note for known in database.notes("model", number)):
             database.note("model", number, made.note)
-        report = _report(database, made.report, number) if made.report is not None else None
+        report = None
+        if made.report is not None:
+            name, data = database.unused_report_name(made.report.stem), made.report.read_bytes()
+            report = database.add_report(name, data, file_name=made.report.name, models=[number])
     verb = "kept in {}" if new else "{} has it already, byte by byte,"
     words = f"{verb.format(place)} as {database.model(number).words} of {sample}"
     return Kept(place, number, new, report, words)
+
+
+def _without(place: str, missing: object) -> Kept:
+    words = f"note: not kept in {place}, which does not have {missing} (`clerestory measure import` takes scans in)"
+    return Kept(place, None, new=False, report=None, words=words)
 
 
 def _sample(database: Database, origin: Origin, parents: Sequence[int]) -> str:
@@ -143,12 +176,23 @@ def _sample(database: Database, origin: Origin, parents: Sequence[int]) -> str:
     return database.model(parents[0]).sample if parents else origin.samples[0]
 
 
-def _report(database: Database, path: Path, model: int) -> int:
-    taken = {report.name for report in database.reports()}
-    name, k = path.stem, 2
-    while name in taken:
-        name, k = f"{path.stem} {k}", k + 1
-    return database.add_report(name, path.read_bytes(), file_name=path.name, models=[model])
+def _kept_check(
+    database: Database,
+    sample: str,
+    findings: Sequence[Finding],
+    scans: Sequence[Scan],
+    spheres: Sequence[SphereValues],
+) -> Kept:
+    place = str(database.location)
+    origin = database.origin(scans, spheres)
+    if origin.unknown:
+        return _without(place, origin.unknown[0])
+    owner = sample if sample in origin.samples else origin.samples[0]
+    before = {report.id for report in database.reports(sample=owner)}
+    number = database.add_check(owner, findings, origin)
+    new = number not in before
+    words = f"{'kept in {}' if new else '{} has this check already,'} as report:{number} of {owner}".format(place)
+    return Kept(place, None, new, number, words)
 
 
 def _content(written: Sequence[Path]) -> tuple[str, bytes]:

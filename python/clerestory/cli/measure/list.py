@@ -30,6 +30,7 @@ _KINDS = (
     "files",
     "models",
     "reports",
+    "checks",
     "configurations",
     "notes",
     "instruments",
@@ -44,6 +45,8 @@ _FILTERS = {
     "spheres": ("sample",),
     "files": ("sample",),
     "models": ("sample",),
+    "reports": ("sample",),
+    "checks": ("sample",),
 }
 
 
@@ -117,7 +120,9 @@ def _rows(
     if kind == "models":
         return database.models(sample=sample)
     if kind == "reports":
-        return database.reports()
+        return database.reports(sample=sample)
+    if kind == "checks":
+        return database.checks(sample=sample)
     return database.configurations() if kind == "configurations" else database.notes()
 
 
@@ -210,7 +215,16 @@ _COLUMNS: dict[str, tuple[tuple[str, str], ...]] = {
         ("scans", "scans"),
         ("sphere", "sphere_values"),
     ),
-    "reports": (("report", "id"), ("name", "name"), ("file", "file_name"), ("made", "made"), ("models", "models")),
+    "reports": (
+        ("report", "id"),
+        ("name", "name"),
+        ("of", "kind"),
+        ("file", "file_name"),
+        ("made", "made"),
+        ("samples", "samples"),
+        ("models", "models"),
+    ),
+    "checks": (("report", "report"), ("sample", "sample"), ("made", "made"), ("found", "tally")),
     "configurations": (
         ("configuration", "id"),
         ("instrument", "instrument"),

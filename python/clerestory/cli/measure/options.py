@@ -49,7 +49,11 @@ ConventionOption = Annotated[
 ]
 ColumnOption = Annotated[
     list[str] | None,
-    typer.Option("--column", metavar="WHAT=NAME", help="A column of a CSV file whose name does not tell."),
+    typer.Option(
+        "--column",
+        metavar="NAME=HEADER",
+        help="What a column of a CSV file is whose header does not tell: theta_o=Winkel, wavelength=Wl.",
+    ),
 ]
 
 
@@ -77,7 +81,10 @@ def choices_of(
             raise UsageError(f"--convention {key}={value}: not known (give front, seen_from or up_deg)")
         choices[key] = _angle(key, value) if key == "up_deg" else side_of(value, f"--convention {key}")
     if column:
-        choices["columns"] = dict(_pairs(column, "--column", "theta=polar"))
+        columns: dict[str, list[str]] = {}
+        for key, value in _pairs(column, "--column", "theta_o=Winkel"):
+            columns.setdefault(key, []).append(value)
+        choices["columns"] = {key: values[0] if len(values) == 1 else values for key, values in columns.items()}
     return choices
 
 

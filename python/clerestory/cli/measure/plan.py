@@ -188,7 +188,7 @@ def _from_scan(
     shape = "circle" if one_of(pattern, "--pattern", ("circle", "square")) == "circle" else "square"
     resolution = find_instrument(instrument).resolution_deg
     if output is not None:
-        if output.suffix != ".csv":
+        if output.suffix.lower() != ".csv":
             raise UsageError(f"{output}: paths are written as .csv (end the name so)")
         refuse_overwriting(output, [path])
     contents = read([path])

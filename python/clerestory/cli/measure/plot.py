@@ -22,7 +22,7 @@ from clerestory.cli.common import (
     write_whole,
 )
 from clerestory.cli.measure.inputs import contents_of
-from clerestory.cli.measure.options import DatabaseOption, DateOption, LaboratoryOption
+from clerestory.cli.measure.options import ColumnOption, DatabaseOption, DateOption, LaboratoryOption, choices_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -81,6 +81,7 @@ def plot(
         Path | None,
         typer.Option("--model", metavar="FILE", help="Draw points beside this data set, and both in a cut."),
     ] = None,
+    column: ColumnOption = None,
     dpi: Annotated[float, typer.Option("--dpi", help="Pixels an inch.")] = 160.0,
     db: DatabaseOption = None,
     laboratory: LaboratoryOption = None,
@@ -113,7 +114,7 @@ def plot(
     from_direction = None if incident is None else angle_pair(incident, "--incident")
     middle = None if centre is None else angle_pair(centre, "--centre")
     kept_scale: Any = one_of(scale, "--scale", ("log", "linear"))
-    contents = contents_of(files, db, {}, laboratory=laboratory, date=date)
+    contents = contents_of(files, db, choices_of(None, None, None, column), laboratory=laboratory, date=date)
     samples: dict[str, Sequence[Scan]] = {m.sample: m.scans for m in contents.measurements if m.of()}
     if not samples:
         raise UsageError(f"{files[0]}: no points of a sample to draw (give scans of a goniophotometer)")

@@ -60,6 +60,8 @@ def _found(database: Database, what: str) -> tuple[object, list[str]]:
             "scans": database.stored_scans(sample=what),
             "sphere_values": database.stored_sphere_values(sample=what),
             "files": database.files(sample=what),
+            "checks": database.checks(sample=what),
+            "reports": database.reports(sample=what),
             "models": [database.provenance(model.id) for model in database.models(sample=what)],
             "notes": database.notes("sample", sample.id),
         }
@@ -76,6 +78,9 @@ def _found(database: Database, what: str) -> tuple[object, list[str]]:
         made = database.made_as(mark)
         if not files and made is not None:
             return _numbered(database, "model", made)
+        report = next((one for one in database.reports() if one.sha256 == mark), None)
+        if not files and report is not None:
+            return _numbered(database, "report", report.id)
         if not files:
             raise UsageError(f"{what}: not in {database.location} (take it over with `clerestory measure import`)")
     if not files:
@@ -98,7 +103,10 @@ def _numbered(database: Database, kind: str, number: int) -> tuple[object, list[
         return found | {"reports": database.reports(model=number)}, words.about_model(database, number)
     if kind == "report":
         report = database.report(number)
-        return {"report": report, "notes": database.notes("report", number)}, words.about_report(database, report)
+        about: dict[str, object] = {"report": report, "notes": database.notes("report", number)}
+        if report.kind == "check":
+            about["check"] = database.check(number)
+        return about, words.about_report(database, report)
     if kind == "scan":
         stored = _one(database, database.stored_scans(ids=[number]), "scan", number)
         found = {"scan": stored, "conditions": dict(database.scan(number).conditions)}
@@ -112,7 +120,12 @@ def _numbered(database: Database, kind: str, number: int) -> tuple[object, list[
     if kind == "run":
         run = _one(database, [one for one in database.runs() if one.id == number], "run", number)
         scans = database.stored_scans(run=number)
-        found = {"run": run, "scans": scans, "notes": database.notes("run", number)}
+        found = {
+            "run": run,
+            "scans": scans,
+            "checks": database.checks(run=number),
+            "notes": database.notes("run", number),
+        }
         return found, words.about_run(database, run)
     if kind == "configuration":
         held = [one for one in database.configurations() if one.id == number]

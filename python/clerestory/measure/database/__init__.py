@@ -1,8 +1,8 @@
 """The laboratory's database: samples, runs, files, scans with their points, models and where each came from.
 
 `Database` is one class in layers, a file each: `connection` opens it, `spheres` and `reading` ask, `writing` imports,
-`origins` finds measured values again, `models` and `reports` keep what was made of them, `database` takes out. `tables`
-is the schema, `migrations` its history.
+`origins` finds measured values again, `models` and `reports` keep what was made of them, `checks` what was found,
+`database` takes out. `tables` is the schema, `migrations` its history.
 """
 
 from clerestory.measure.database.connection import DEFAULT, VARIABLE, Location, location
@@ -16,6 +16,7 @@ from clerestory.measure.database.records import (
     Provenance,
     Run,
     Sample,
+    StoredCheck,
     StoredModel,
     StoredReport,
     StoredScan,
@@ -35,6 +36,7 @@ __all__ = [
     "Provenance",
     "Run",
     "Sample",
+    "StoredCheck",
     "StoredModel",
     "StoredReport",
     "StoredScan",

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar
 import sqlalchemy
 from sqlalchemy import event, text
 from sqlalchemy.exc import ArgumentError, DBAPIError, OperationalError
+from sqlalchemy.pool import NullPool
 
 from clerestory._core import ClerestoryError
 from clerestory.measure.database import schema
@@ -235,14 +236,19 @@ def _engine(place: Location) -> Engine:
             connect_args={"connect_timeout": 10},
             isolation_level="REPEATABLE READ",
         )
-    engine = sqlalchemy.create_engine(place.url, connect_args={"timeout": _BUSY_S})
+    address = _read_only(place.path)
+    if address is None:
+        engine = sqlalchemy.create_engine(place.url, connect_args={"timeout": _BUSY_S})
+    else:
+        engine = sqlalchemy.create_engine("sqlite://", creator=lambda: _connect_to(address), poolclass=NullPool)
 
     @event.listens_for(engine, "connect")
     def _connect(connection: Any, _record: object) -> None:  # noqa: ANN401  # the driver's own
         connection.isolation_level = None  # the driver would begin transactions late, and never for the schema
         connection.execute("PRAGMA foreign_keys = ON")
-        # Readers see the last state while another program writes, and nobody waits for them.
-        _write_ahead(connection)
+        if address is None:
+            # Readers see the last state while another program writes, and nobody waits for them.
+            _write_ahead(connection)
 
     @event.listens_for(engine, "begin")
     def _sqlite_begin(connection: Connection) -> None:
@@ -256,6 +262,23 @@ def _engine(place: Location) -> Engine:
         connection.exec_driver_sql(f"PRAGMA busy_timeout = {1000.0 * _BUSY_S:.0f}")
 
     return engine
+
+
+def _read_only(path: Path) -> str | None:
+    """How a file is opened that may be read and not written; none for others."""
+    if not path.exists():
+        return None
+    may_make_files = os.access(path.absolute().parent, os.W_OK)
+    if may_make_files and os.access(path, os.W_OK):
+        return None
+    # Beside a file that is written to lie others, which tell what is going on; where there are none and none can be
+    # made, nobody writes.
+    is_still = not may_make_files and not path.with_name(f"{path.name}-wal").exists()
+    return f"{path.absolute().as_uri()}?mode=ro{'&immutable=1' if is_still else ''}"
+
+
+def _connect_to(address: str) -> sqlite3.Connection:
+    return sqlite3.connect(address, uri=True, timeout=_BUSY_S, check_same_thread=False)
 
 
 class _BusyError(Exception):

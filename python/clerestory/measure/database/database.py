@@ -8,18 +8,22 @@ from sqlalchemy import delete, or_, select
 
 from clerestory._core import ClerestoryError
 from clerestory.measure.database import blobs, tables
-from clerestory.measure.database.reports import Reports
+from clerestory.measure.database.checks import Checks
 
 if TYPE_CHECKING:
     from sqlalchemy import ColumnElement, Select, Table
 
     from clerestory.measure.database.records import Subject
 
-_LINKS = ((tables.scans, tables.model_scans), (tables.sphere_values, tables.model_sphere_values))
+# What is measured, with models and checks that name it.
+_MEASURED = (
+    (tables.scans, tables.model_scans, tables.report_scans),
+    (tables.sphere_values, tables.model_sphere_values, tables.report_sphere_values),
+)
 _REMOVABLE: tuple[Subject, ...] = ("sample", "file", "scan", "model", "report")
 
 
-class Database(Reports):
+class Database(Checks):
     """A laboratory's database that is open: see `Database.open`."""
 
     def remove(self, subject: Subject, number: int) -> None:
@@ -28,14 +32,16 @@ class Database(Reports):
         Raises
         ------
         ClerestoryError
-            There is no such thing, or a model or report was made of it.
+            There is no such thing, or a model or report was made of it. Checks of it go with it.
         """
         if subject not in _REMOVABLE:
             raise ClerestoryError(f"a {subject} goes with its scans (remove {', '.join(_REMOVABLE)})")
         table = tables.metadata.tables[f"{subject}s"]
         with self.transaction():
             if self._connection.execute(select(table.c.id).where(table.c.id == number)).first() is None:
-                raise ClerestoryError(f"{self.location}: no {subject} {number}")
+                raise ClerestoryError(
+                    f"{self.location}: no {subject} {number} (`clerestory measure list {subject}s` has them)"
+                )
             if subject in ("model", "report"):
                 self._remove_product(subject, table, number)
             else:
@@ -44,30 +50,31 @@ class Database(Reports):
 
     def _remove_product(self, subject: Subject, table: Table, number: int) -> None:
         if subject == "model":
-            link = tables.report_models
-            on = select(tables.reports.c.name).join_from(tables.reports, link).where(link.c.model_id == number)
-            self._refuse(on, "report", f"model {number}")
+            self._refuse_reports(tables.report_models, number, f"model {number}")
             made = tables.model_parents
             on = select(table.c.name).join_from(table, made, table.c.id == made.c.model_id)
             self._refuse(on.where(made.c.parent_id == number), "model", f"model {number}")
+            self._drop_checks(select(tables.report_models.c.report_id).where(tables.report_models.c.model_id == number))
         blob = self._connection.execute(select(table.c.blob_id).where(table.c.id == number)).scalar_one()
         self._delete(table, table.c.id == number)
         blobs.drop(self._connection, blob)
 
     def _remove_measured(self, subject: Subject, table: Table, number: int) -> None:
         name = f"{subject} {number}"
-        for measured, link in _LINKS:
+        for measured, of_models, of_checks in _MEASURED:
             if subject == "scan" and measured is not tables.scans:
                 continue
             column = measured.c.id if subject == "scan" else measured.c[f"{subject}_id"]
             models = tables.models
-            on = select(models.c.name).join_from(models, link).join(measured).where(column == number).distinct()
+            on = select(models.c.name).join_from(models, of_models).join(measured).where(column == number).distinct()
             self._refuse(on, "model", name)
+            self._drop_checks(select(of_checks.c.report_id).join(measured).where(column == number))
         if subject == "sample":
             models_left = select(tables.models.c.name).where(tables.models.c.sample_id == number)
             self._refuse(models_left, "model", name)
+            self._refuse_reports(tables.report_samples, number, name)
         if subject != "scan":
-            for measured, _ in _LINKS:
+            for measured, *_ in _MEASURED:
                 self._delete(measured, measured.c[f"{subject}_id"] == number)
         if subject == "file":
             blob = self._connection.execute(select(table.c.blob_id).where(table.c.id == number)).scalar_one()
@@ -76,11 +83,25 @@ class Database(Reports):
         else:
             self._delete(table, table.c.id == number)
 
+    def _refuse_reports(self, link: Table, number: int, name: str) -> None:
+        reports = tables.reports
+        on = select(reports.c.name).join_from(reports, link).where(link.c[1] == number, reports.c.kind == "report")
+        self._refuse(on, "report", name)
+
+    def _drop_checks(self, asked: Select[Any]) -> None:
+        """Checks of what goes would tell of something that is not there."""
+        reports = tables.reports
+        found = select(reports.c.id, reports.c.blob_id).where(reports.c.kind == "check", reports.c.id.in_(asked))
+        for number, blob in self._connection.execute(found).all():
+            self._delete(reports, reports.c.id == number)
+            blobs.drop(self._connection, blob)
+
     def _refuse(self, asked: Select[Any], what: str, name: str) -> None:
         names = self._connection.execute(asked).scalars().all()
         if names:
+            stands = "is on" if what == "report" else "was made of"
             raise ClerestoryError(
-                f"{self.location}: {what} {', '.join(map(repr, names))} was made of {name} (remove the {what} first)"
+                f"{self.location}: {what} {', '.join(map(repr, names))} {stands} {name} (remove the {what} first)"
             )
 
     def _tidy(self) -> None:

@@ -16,7 +16,7 @@ from clerestory.measure.database.records import Provenance, StoredModel
 from clerestory.measure.source import digest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Mapping, Sequence
 
     from sqlalchemy import Column, Table
 
@@ -125,11 +125,7 @@ class Models(Origins):
 
     def unused_name(self, sample: str, wish: str) -> str:
         """A name that no model of a sample has: the wish, or the wish with a number."""
-        taken = {model.name for model in self.models(sample=sample)}
-        name, k = wish, 2
-        while name in taken:
-            name, k = f"{wish} {k}", k + 1
-        return name
+        return unused(wish, {model.name for model in self.models(sample=sample)})
 
     def _inherited(
         self, column: Column[int], link: Table, parents: Sequence[int], own: Sequence[int]
@@ -223,3 +219,11 @@ class Models(Origins):
             if blob is None:
                 raise ClerestoryError(f"{self.location}: no {what} {number}")
             return blobs.fetch(connection, blob)
+
+
+def unused(wish: str, taken: Collection[str]) -> str:
+    """A name that is not taken: the wish, or the wish with a number."""
+    name, k = wish, 2
+    while name in taken:
+        name, k = f"{wish} {k}", k + 1
+    return name

@@ -8,15 +8,18 @@ from typing import TYPE_CHECKING, Literal, cast
 
 from clerestory.counts import counted
 from clerestory.directions import direction, incident_in_words, outgoing_in_words, outgoing_side
+from clerestory.finding import tally
 
 if TYPE_CHECKING:
     from datetime import datetime
 
     from clerestory.directions import Scatter, Side
+    from clerestory.finding import Finding
     from clerestory.measure.scan import Purpose, Quantity
     from clerestory.measure.sphere import Collected
 
 Kind = Literal["model", "scans"]
+ReportKind = Literal["report", "check"]
 Subject = Literal["sample", "instrument", "configuration", "run", "file", "scan", "model", "report"]
 SUBJECTS: tuple[Subject, ...] = (
     "sample",
@@ -231,15 +234,51 @@ class Origin:
 
 @dataclass(frozen=True)
 class StoredReport:
-    """A report on models."""
+    """A report on samples or models, or what a check found."""
 
     id: int
     name: str
+    kind: ReportKind
     file_name: str
     bytes: int
     sha256: str
     made: datetime
     models: tuple[str, ...]
+    """Names of those that it is on."""
+    samples: tuple[str, ...]
+
+    @property
+    def words(self) -> str:
+        """Report 'x' (report:3; x.pdf)."""
+        return f"{self.kind} {self.name!r} (report:{self.id}; {self.file_name})"
+
+
+@dataclass(frozen=True)
+class StoredCheck:
+    """What a check found."""
+
+    report: int
+    """Its number among the reports."""
+    sample: str
+    made: datetime
+    clerestory: str
+    """The version that looked."""
+    findings: tuple[Finding, ...]
+    scans: tuple[int, ...]
+    """Numbers of what was checked."""
+    sphere_values: tuple[int, ...]
+    models: tuple[int, ...]
+    """Prepared scans among it."""
+
+    @property
+    def words(self) -> str:
+        """Of which day, and how much was found."""
+        return f"check of {self.made:%Y-%m-%d %H:%M}: {self.tally} (report:{self.report})"
+
+    @property
+    def tally(self) -> str:
+        """How much was found."""
+        return tally(self.findings)
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,8 @@
 
 A sample is measured in runs; a run, of one configuration of an instrument, gives files; a file holds scans and values
 of spheres; a scan's points lie in chunks. Models and reports name what they were made of, so that nothing can be
-removed under them. `migrations` holds the way here from older schemas.
+removed under them; checks, which are reports too, go with what was checked. `migrations` holds the way here from older
+schemas.
 """
 
 from __future__ import annotations
@@ -243,9 +244,20 @@ reports = Table(
     Column("file_name", Text, nullable=False),
     _of("blobs"),
     Column("made", Moment, nullable=False),
+    Column("kind", String(16), nullable=False, server_default="report"),  # report; or check, what a check found
 )
 report_models = Table(
     "report_models", metadata, _of("reports", cascade=True, primary=True), _of("models", primary=True)
+)
+report_samples = Table(
+    "report_samples", metadata, _of("reports", cascade=True, primary=True), _of("samples", primary=True)
+)
+report_scans = Table("report_scans", metadata, _of("reports", cascade=True, primary=True), _of("scans", primary=True))
+report_sphere_values = Table(
+    "report_sphere_values",
+    metadata,
+    _of("reports", cascade=True, primary=True),
+    _of("sphere_values", primary=True),
 )
 
 notes = Table(

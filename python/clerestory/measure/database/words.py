@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from clerestory.counts import counted
 from clerestory.directions import direction, incident_in_words
+from clerestory.finding import tally
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -62,11 +63,18 @@ def about_sample(database: Database, sample: Sample) -> list[str]:
         if (note.subject, note.subject_id) in subjects:
             author = f" ({note.author})" if note.author else ""
             lines.append(f"  {note.kind}: {names.get((note.subject, note.subject_id), '')}{note.text}{author}")
+    lines += [f"  {check.words}" for check in database.checks(sample=sample.name)]
+    on_models = set()
     for model in database.models(sample=sample.name):
         of = counted(model.scans, "scan")
         of += f" and {counted(model.sphere_values, 'set')} of sphere values" if model.sphere_values else ""
         lines.append(f"  {model.words}, made {model.made:%Y-%m-%d %H:%M} of {of}")
-        lines += [f"    report {r.name!r} (report:{r.id}; {r.file_name})" for r in database.reports(model=model.id)]
+        reports = [report for report in database.reports(model=model.id) if report.kind == "report"]
+        lines += [f"    {report.words}" for report in reports]
+        on_models |= {report.id for report in reports}
+    for report in database.reports(sample=sample.name):
+        if report.kind == "report" and report.id not in on_models:
+            lines.append(f"  {report.words}")
     return lines
 
 
@@ -74,7 +82,8 @@ def about_model(database: Database, number: int) -> list[str]:
     """What is known of a model: steps, what it was made of, what was made from it, reports, notes."""
     lines = database.provenance(number).lines()
     lines += [f"  made from it: {one.words}" for one in database.models() if number in one.parents]
-    lines += [f"  report {one.name!r} (report:{one.id}; {one.file_name})" for one in database.reports(model=number)]
+    lines += [f"  {check.words}" for check in database.checks(model=number)]
+    lines += [f"  {report.words}" for report in database.reports(model=number) if report.kind == "report"]
     return lines + _notes(database, "model", number)
 
 
@@ -150,6 +159,7 @@ def about_run(database: Database, run: Run) -> list[str]:
     spheres = database.stored_sphere_values(run=run.id)
     for sample in dict.fromkeys(one.sample for one in spheres):
         lines.append(f"  {sample}: {counted(sum(s.sample == sample for s in spheres), 'set')} of sphere values")
+    lines += [f"  {check.words}" for check in database.checks(run=run.id)]
     return lines + _notes(database, "run", run.id)
 
 
@@ -178,14 +188,23 @@ def about_configuration(database: Database, setup: Configuration) -> list[str]:
 
 
 def about_report(database: Database, report: StoredReport) -> list[str]:
-    """A report, and what it is on."""
+    """A report, and what it is on; of a check, what it found."""
     lines = [
-        f"report {report.name!r} (report:{report.id}; {report.file_name})",
+        report.words,
         f"  SHA-256 {report.sha256}, {report.bytes:,} bytes, made {report.made:%Y-%m-%d %H:%M}",
     ]
     for model in database.models():
         if report in database.reports(model=model.id):
             lines.append(f"  on {model.words} of sample {model.sample!r}")
+    lines += [f"  on sample {sample!r}" for sample in report.samples]
+    if report.kind == "check":
+        check = database.check(report.id)
+        of = [counted(len(check.scans), "scan")] if check.scans else []
+        of += [f"{counted(len(check.sphere_values), 'set')} of sphere values"] if check.sphere_values else []
+        of += [f"model:{model}" for model in check.models]
+        lines.append(f"  of {' and '.join(of)}, by clerestory {check.clerestory}")
+        lines.append(f"  {tally(check.findings)}")
+        lines += [f"    {finding}" for finding in check.findings]
     return lines + _notes(database, "report", report.id)
 
 
@@ -272,7 +291,8 @@ def _covered(scans: Sequence[StoredScan]) -> list[str]:
     if len(thetas) == 1 and len(phis) <= 1:
         words += f" ({incident_in_words(direction(first.theta_deg, first.phi_deg, side=first.side))})"
     reached = [scan.outgoing_theta_max_deg for scan in scans if scan.outgoing_theta_max_deg is not None]
-    return [words, f"outgoing θ up to {min(reached):.4g}° to {max(reached):.4g}°"] if reached else [words]
+    ends = dict.fromkeys(f"{end(reached):.4g}°" for end in (min, max) if reached)
+    return [words, f"outgoing θ up to {' to '.join(ends)}"] if ends else [words]
 
 
 def _values(scans: Sequence[StoredScan]) -> list[str]:

@@ -80,3 +80,18 @@ def one_of(choices: Mapping[str, object], key: str, known: tuple[str, ...], defa
     if said not in known:
         raise ClerestoryError(f"{key} {said!r} is not known ({', '.join(known)})")
     return str(said)
+
+
+def columns_said(choices: Mapping[str, object]) -> dict[str, str]:
+    """What a person said of columns: our names by the file's.
+
+    Raises
+    ------
+    ClerestoryError
+        It is no table of names.
+    """
+    given = choices.get("columns") or {}
+    if not isinstance(given, dict):
+        raise ClerestoryError("columns is not a table of names (give {'theta_o': 'Winkel', ...})")
+    several = {role: held if isinstance(held, (list, tuple)) else [held] for role, held in given.items()}
+    return {str(header): str(role) for role, headers in several.items() for header in headers}

@@ -6,7 +6,11 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from clerestory._core import ClerestoryError
+
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
     from clerestory.directions import Scatter, Side
     from clerestory.measure.sphere import Collected
 
@@ -78,6 +82,8 @@ _KEYS = {
     "sample": {"sample", "name", "product", "specimen"},
 }
 _KEYS["theta"] |= {"incident theta", "theta i", "theta in"}
+KEYS = {name.replace(" ", "_"): key for key, names in _KEYS.items() for name in sorted(names)}
+"""What columns hold by their names, those of shares of the light left out."""
 _UNITS = {"nm": 1.0, "um": 1e3, "µm": 1e3, "μm": 1e3, "micron": 1e3, "microns": 1e3, "%": 0.01, "percent": 0.01}
 _NO_UNITS = {"deg", "°", "-", "1", ""}
 _BRACKETS = re.compile(r"[\[(]([^\])]*)[\])]")
@@ -122,6 +128,38 @@ def column(name: str) -> Column | None:
         if plain in names:
             return Column(key, factor)
     return _share(words, factor)
+
+
+def columns_named(words: Sequence[str], said: Mapping[str, str]) -> list[Column | None]:
+    """Columns by the names over them; none for what is not known.
+
+    Parameters
+    ----------
+    said
+        Names that are known by the file's, for columns that are called otherwise: `{"Wl. (µm)": "wavelength"}`. The
+        file's name still tells the unit, in brackets, or that it is per cent.
+
+    Raises
+    ------
+    ClerestoryError
+        A name that is given for a column of the file is not known.
+    """
+    columns = []
+    for word in words:
+        name = said.get(word)
+        if name is None:
+            columns.append(column(word))
+            continue
+        units = [] if _BRACKETS.search(name) else _BRACKETS.findall(word)
+        units += ["%"] if "%" in _BRACKETS.sub(" ", word) and "%" not in name else []
+        known = column(" ".join([name, *(f"({unit})" for unit in units)]))
+        if known is None:
+            names = ", ".join(dict.fromkeys(KEYS.values()))
+            raise ClerestoryError(
+                f"columns: {name!r} of {word!r} is not known for values of a sphere ({names}, or T, Rf, tau n-h, …)"
+            )
+        columns.append(known)
+    return columns
 
 
 def _share(words: list[str], factor: float) -> Column | None:

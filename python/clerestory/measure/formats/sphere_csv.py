@@ -15,10 +15,10 @@ import numpy as np
 
 from clerestory._core import ClerestoryError, FileFormatError
 from clerestory.measure.contents import Contents
-from clerestory.measure.formats.choices import lit_side, sample_of, scatter_of
+from clerestory.measure.formats.choices import columns_said, lit_side, sample_of, scatter_of
 from clerestory.measure.formats.comments import conditions_of, pairs
 from clerestory.measure.formats.header import one_line
-from clerestory.measure.formats.sphere_columns import BANDS, COLLECTED, SCATTERS, SIDES, Column, column
+from clerestory.measure.formats.sphere_columns import BANDS, COLLECTED, SCATTERS, SIDES, Column, column, columns_named
 from clerestory.measure.formats.tokens import lines_of, number
 from clerestory.measure.source import Source, digest
 from clerestory.measure.sphere import SphereValues
@@ -57,11 +57,33 @@ def recognises(data: bytes, name: str) -> bool:
         lines = lines_of(data[:_HEAD])
     except FileFormatError:
         return False
-    names = _names(next((line for line in lines if line.strip() and not line.startswith("#")), ""))[1]
-    columns = [column(word) for word in names]
+    columns = columns_named(_first_names(lines), {})
+    return all(columns) and _is_whole(columns)
+
+
+def readable(data: bytes, choices: Mapping[str, object]) -> bool:
+    """The same with names that a person gives; the other columns of such a table may be unknown."""
+    try:
+        names = _first_names(lines_of(data[:_HEAD]))
+    except FileFormatError:
+        return False
+    said = _said_here(choices, names)
+    return bool(said) and all(map(column, said.values())) and _is_whole(columns_named(names, said))
+
+
+def _said_here(choices: Mapping[str, object], names: Sequence[str]) -> dict[str, str]:
+    """What a person said of columns of this file; what is said of others is for other files."""
+    return {header: name for header, name in columns_said(choices).items() if header in names}
+
+
+def _is_whole(columns: Sequence[Column | None]) -> bool:
     keys = {known.key for known in columns if known}
     banded = any(known and known.band for known in columns)
-    return all(columns) and "value" in keys and bool({"wavelength", "band"} & keys or banded)
+    return "value" in keys and bool({"wavelength", "band"} & keys or banded)
+
+
+def _first_names(lines: Sequence[str]) -> list[str]:
+    return _names(next((line for line in lines if line.strip() and not line.startswith("#")), ""))[1]
 
 
 def _names(line: str) -> tuple[str, list[str]]:
@@ -80,7 +102,8 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
     name
         Its name, for messages.
     choices
-        `side` (exterior), `scatter` and `sample` where no column or comment says them.
+        `side` (exterior), `scatter` and `sample` where no column or comment says them; `columns` (names that are known
+        and the file's), with which other unknown columns are left out.
 
     Raises
     ------
@@ -92,14 +115,14 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
     if first == len(lines):
         raise FileFormatError(f"line {first}: no line that names the columns (is the file whole?)")
     separator, names = _names(lines[first])
-    columns: list[Column] = []
-    for word in names:
-        known = column(word)
-        if known is None:
-            raise FileFormatError(
-                f"line {first + 1}: column {word[:40]!r} is not known (docs/measurements-formats.md has names)"
-            )
-        columns.append(known)
+    said = _said_here(choices, names)
+    known = columns_named(names, said)
+    unknown = [word for word, meaning in zip(names, known, strict=True) if meaning is None]
+    if unknown and not said:
+        raise FileFormatError(
+            f"line {first + 1}: column {unknown[0][:40]!r} is not known (docs/measurements-formats.md has names)"
+        )
+    columns = [meaning or Column("") for meaning in known]
     _check(columns, first + 1)
     found: dict[Key, Shares] = {}
     try:
@@ -124,12 +147,19 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
         tuple(lines[: first + 1]),
         "front is the exterior; angles from the normal; shares of the light",
     )
-    return Contents((), tuple(_values(key, shares, conditions, source) for key, shares in found.items()))
+    values = tuple(_values(key, shares, conditions, source) for key, shares in found.items())
+    odd = [f"{name}: column {word!r} is not known and left out" for word in unknown if word]
+    odd += [
+        f"{name}: there is no column {header!r} (it has: {', '.join(names)})"
+        for header in columns_said(choices)
+        if header not in names
+    ]
+    return Contents((), values, tuple(odd))
 
 
 def _check(columns: Sequence[Column], line: int) -> None:
     keys = [known.key for known in columns]
-    twice = {key for key in keys if keys.count(key) > 1} - {"value"}
+    twice = {key for key in keys if keys.count(key) > 1} - {"value", ""}
     values = [known for known in columns if known.key == "value"]
     if twice or len(set(values)) < len(values):
         raise FileFormatError(f"line {line}: two columns of {next(iter(twice), 'the same values')} (keep one)")

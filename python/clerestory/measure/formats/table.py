@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from clerestory._core import ClerestoryError, FileFormatError, read_table
+from clerestory._core import FileFormatError, read_table
 from clerestory.measure.contents import Contents
-from clerestory.measure.formats.choices import angle_of, one_of, quantity_of, sample_of, scatter_of
+from clerestory.measure.formats.choices import angle_of, columns_said, one_of, quantity_of, sample_of, scatter_of
 from clerestory.measure.formats.frame import Frame, halves, signed
 from clerestory.measure.formats.header import HEAD, conditions_of, leading, line_end, lines_of, pair_of
 from clerestory.measure.formats.rows import grouped
-from clerestory.measure.formats.table_columns import WORDS, Column, columns_named, one_band, side_named
+from clerestory.measure.formats.table_columns import ROLES, WORDS, Column, columns_named, one_band, side_named
 from clerestory.measure.formats.table_writing import RESERVED, write
 from clerestory.measure.scan import PURPOSES, Measurement, Scan
 from clerestory.measure.source import Source, digest
@@ -63,21 +63,18 @@ def recognises(data: bytes, name: str) -> bool:
 
 
 def readable(data: bytes, choices: Mapping[str, object]) -> bool:
-    """The same with names that a person gives."""
-    return "columns" in choices and _head(data[:HEAD], choices) is not None
+    """The same with names that a person gives, all of them of points and in the table."""
+    said = columns_said(choices)
+    if not said or not set(said.values()) <= set(ROLES):
+        return False
+    names = _row(data, leading(data[:HEAD], 0, 1)[1])[0]
+    return said.keys() <= set(names) and _head(data[:HEAD], choices) is not None
 
 
 def _head(data: bytes, choices: Mapping[str, object]) -> _Head | None:
     comments, at, line = leading(data, 0, 1)
-    row = next(iter(lines_of(data[at : at + HEAD])), "")
-    counts = {mark: row.count(mark) for mark in ";\t,"}
-    mark = max(counts, key=lambda m: counts[m])
-    delimiter = mark if counts[mark] else None
-    words = [word.strip().strip('"') for word in (row.split(delimiter) if delimiter else row.split())]
-    given = choices.get("columns") or {}
-    if not isinstance(given, dict):
-        raise ClerestoryError("columns is not a table of names (give {'theta_o': 'Winkel', ...})")
-    columns = columns_named(words, given)
+    words, row, delimiter = _row(data, at)
+    columns = columns_named(words, columns_said(choices))
     roles = {column.role for column in columns}
     if not {"theta_o", "value"} <= roles:
         return None
@@ -85,6 +82,15 @@ def _head(data: bytes, choices: Mapping[str, object]) -> _Head | None:
     pairs = [pair for text in comments for pair in [pair_of(text)] if pair]
     stated = {key.lower(): value for key, value in pairs}
     return _Head([*comments, row], columns, delimiter, end, line, stated)
+
+
+def _row(data: bytes, at: int) -> tuple[list[str], str, str | None]:
+    """Names of columns, the line that they stand in, and what is between them."""
+    row = next(iter(lines_of(data[at : at + HEAD])), "")
+    counts = {mark: row.count(mark) for mark in ";\t,"}
+    mark = max(counts, key=lambda m: counts[m])
+    delimiter = mark if counts[mark] else None
+    return [word.strip().strip('"') for word in (row.split(delimiter) if delimiter else row.split())], row, delimiter
 
 
 def read(data: bytes, name: str, **choices: object) -> Contents:
@@ -95,7 +101,7 @@ def read(data: bytes, name: str, **choices: object) -> Contents:
     """
     head = _head(data, choices)
     if head is None:
-        raise FileFormatError("line 1: no column is known as theta_o or as value (name them by `columns`)")
+        raise FileFormatError("line 1: no column is known as theta_o or as value (name them: --column value=HEADER)")
     layout = head.columns
     words = [k for k, column in enumerate(layout) if column.role in WORDS or column.role == ""]
     runs = [k for k, column in enumerate(layout) if column.role in (*WORDS, "theta_i", "phi_i", "")]
@@ -188,7 +194,8 @@ class _Table:
                 value = 0.0
             if value is None or not np.isfinite(value):
                 raise FileFormatError(
-                    f"no column gives {role}, the incident angle (give {key}, or name it by `columns`)"
+                    f"no column gives {role}, the incident angle (name it: --column {role}=HEADER, or say it in a line"
+                    f" above: # {role}: 30)"
                 )
             found.append(value)
         theta, phi = signed(np.array(found[:1]), np.array(found[1:]))
@@ -211,7 +218,7 @@ class _Table:
         polars = cast("Floats", self._values("theta_o", chosen))
         azimuths = self._values("phi_o", chosen)
         if azimuths is None:
-            raise FileFormatError("no column gives phi_o, the outgoing azimuth (name it by `columns`)")
+            raise FileFormatError("no column gives phi_o, the outgoing azimuth (name it: --column phi_o=HEADER)")
         theta, phi = signed(self._degrees("theta_o", polars), self._degrees("phi_o", azimuths))
         values, errors = cast("Floats", self._values("value", chosen)), self._values("error", chosen)
         for what, array in (("angle", theta), ("azimuth", phi), ("value", values)):

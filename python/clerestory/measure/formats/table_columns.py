@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clerestory._core import ClerestoryError, FileFormatError
+from clerestory.measure.formats.sphere_columns import column
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -19,8 +20,9 @@ if TYPE_CHECKING:
 WORDS = ("side", "scatter", "quantity", "band")
 """Columns of words."""
 ANGLES = ("theta_i", "phi_i", "theta_o", "phi_o")
+ROLES = (*ANGLES, *WORDS, "value", "error")
 
-_NAMES: dict[str, str] = {
+POINTS: dict[str, str] = {
     **dict.fromkeys(("theta_i", "theta_in", "theta_1", "theta1", "thetai", "intheta", "incident_theta"), "theta_i"),
     **dict.fromkeys(("phi_i", "phi_in", "phi_1", "phi1", "phii", "inphi", "incident_phi"), "phi_i"),
     **dict.fromkeys(("theta_o", "theta_out", "theta_s", "theta_2", "theta2", "outgoing_theta", "theta"), "theta_o"),
@@ -32,6 +34,7 @@ _NAMES: dict[str, str] = {
     "scatter": "scatter",
     "quantity": "quantity",
 }
+"""What columns of points hold by their names."""
 _VALUE = re.compile(r"^(bsdf|brdf|btdf|dsf|signal|value|error)[ _:](.+)$", re.IGNORECASE)
 _COLOURS = ("X", "Y", "Z", "R", "G", "B", "visible", "solar", "nir")
 _WAVELENGTH = re.compile(r"^(\d+(?:\.\d+)?) ?nm$", re.IGNORECASE)
@@ -55,14 +58,13 @@ class Column:
     """What its name says of the quantity or the scatter: bsdf, btdf, …"""
 
 
-def columns_named(words: Sequence[str], given: Mapping[str, object]) -> list[Column]:
+def columns_named(words: Sequence[str], said: Mapping[str, str]) -> list[Column]:
     """Columns by the names over them.
 
     Parameters
     ----------
-    given
-        Names in the file by ours, for those that are called otherwise: `{"theta_o": "Winkel"}`; a list of names for
-        several columns of values.
+    said
+        Our names by the file's, for those that are called otherwise: `{"Winkel": "theta_o"}`.
 
     Raises
     ------
@@ -70,21 +72,26 @@ def columns_named(words: Sequence[str], given: Mapping[str, object]) -> list[Col
         A given name is not in the file, or ours is not known.
     """
     theirs: dict[str, str] = {}
-    for role, said in given.items():
-        if role not in (*ANGLES, *WORDS, "value", "error"):
-            raise ClerestoryError(f"columns: {role!r} is not known ({', '.join([*ANGLES, *WORDS, 'value', 'error'])})")
-        names = [str(name) for name in said] if isinstance(said, (list, tuple)) else [str(said)]
-        for name in names:
-            if name not in words:
-                raise ClerestoryError(f"columns: the file has no column {name!r} (it has: {', '.join(words)[:200]})")
-            theirs[name] = role
+    for name, role in said.items():
+        if role not in ROLES:
+            if column(role) is not None and name not in words:
+                continue  # it is said of a table of a sphere beside this one
+            raise ClerestoryError(f"columns: {role!r} is not known ({', '.join(ROLES)})")
+        if name not in words:
+            raise ClerestoryError(f"columns: the file has no column {name!r} (it has: {', '.join(words)[:200]})")
+        theirs[name] = role
     columns = [_given(word, theirs[word], theirs) if word in theirs else _known(word) for word in words]
-    taken = set(given)
+    taken = set(theirs.values())
     columns = [replace(c, role="") if c.role in taken and c.name not in theirs else c for c in columns]
     for role in (*ANGLES, *WORDS):
         if sum(column.role == role for column in columns) > 1:
-            raise FileFormatError(f"two columns are {role} (say by `columns` which one counts)")
+            raise FileFormatError(f"two columns are {role} (say which one counts: --column {role}=HEADER)")
     return columns
+
+
+def role_of(word: str) -> str:
+    """What a column holds by its name; empty if that is not known."""
+    return _known(word).role
 
 
 def _given(word: str, role: str, theirs: Mapping[str, str]) -> Column:
@@ -109,7 +116,7 @@ def _known(word: str) -> Column:
         return Column(word, "value", "", _channel(word))
     unit = _UNIT.search(word)
     plain = re.sub(r"[\s_-]+", "_", (word[: unit.start()] if unit else word).strip().lower())
-    role = _NAMES.get(plain, "")
+    role = POINTS.get(plain, "")
     return Column(word, role, _short(unit[1]) if unit and role in ANGLES else "", "", plain if role == "value" else "")
 
 
