@@ -90,6 +90,7 @@ def test_a_model_that_lacks_light_is_found_out():
     one = Residual.of([even(0.6 / np.pi)], DIFFUSE, "visible", mirrored=False)
     lacks = 0.1 * np.sin(np.radians(80.0)) ** 2
     assert one.total.off[0] == pytest.approx(lacks, rel=5e-3)
+    assert one.by_triangles == pytest.approx(0.6, rel=5e-3)
     patches = one.over(Patches.of("interior"), np.eye(2))
     inner = KLEMS.limits_deg[:, 1] < 75.0
     np.testing.assert_allclose(patches.off[inner], 0.1 / np.pi * KLEMS.projected_solid_angles[inner], rtol=1e-9)

@@ -52,6 +52,15 @@ def test_samples_come_back_between_measured_directions(name):
     assert rms.mean() < WORSE[name] * linear.mean()
 
 
+def test_lobes_do_not_sag_between_points_as_far_apart_as_the_light_is_wide():
+    thetas = (20.0, 35.0, 50.0)
+    scans = [pg2.scan("ring", theta, 0.0, spacing_deg=5.0, seed=2) for theta in thetas]
+    made = fit(scans, symmetry="isotropic", hold_out=False)
+    found = made.bsdf.integrate(direction(thetas, [0.0] * 3, side="exterior"), "transmission")
+    truth = [pg2.total("ring", pg2.travel(theta, 0.0)) for theta in thetas]
+    np.testing.assert_allclose(found, truth, rtol=0.01)
+
+
 def test_a_model_says_how_good_it_is_and_survives_its_file(tmp_path):
     made = fit(pg2.measured("peak", isotropic=True))
     (component,) = made.components

@@ -64,9 +64,12 @@ class Residual:
     """Points of one incident direction less a model."""
 
     through: Surface
-    """Of three values: the difference, and the variances of a point by its noise and by the difference [1/sr²]."""
+    """Of four values: the difference, the variances of a point by its noise and by the difference [1/sr²], and the
+    point itself [1/sr]."""
     total: Errors
     """Of the direct-hemispherical value, where it was measured."""
+    by_triangles: float
+    """Direct-hemispherical value of the points themselves, linear over triangles."""
 
     @classmethod
     def of(cls, group: Sequence[Scan], bsdf: Bsdf, band: str, *, mirrored: bool) -> Residual:
@@ -81,14 +84,14 @@ class Residual:
         for scan in group:
             values = scan.channel(band)
             left = values - bsdf.evaluate(scan.incident, scan.outgoing, band)
-            part = np.column_stack([left, standard_errors(scan, band, left) ** 2, left**2])
+            part = np.column_stack([left, standard_errors(scan, band, left) ** 2, left**2, values])
             kept = np.isfinite(part).all(axis=1)
             one = replace(
                 scan,
                 theta_deg=scan.theta_deg[kept],
                 phi_deg=scan.phi_deg[kept],
                 values=part[kept],
-                channels=("left", "noise", "scatter"),
+                channels=("left", "noise", "scatter", "value"),
                 standard_errors=None,
             )
             parts += [one, _mirrored(one)] if mirrored and scan.incident_theta_deg > 1e-3 else [one]
@@ -99,7 +102,8 @@ class Residual:
             values=np.concatenate([p.values for p in parts]),
         )
         through = surface(joined)
-        return cls(through, integral_errors(through.weights(), through.values))
+        by_triangles = float(through.integrate().total[3])
+        return cls(through, integral_errors(through.weights(), through.values), by_triangles)
 
     def over(self, patches: Patches, image: Floats) -> Errors:
         """Errors of the fluxes into patches, with the sample turned or mirrored by what `image` (2, 2) does."""
@@ -121,9 +125,9 @@ class Residual:
 
 
 def integral_errors(weights: Floats, values: Floats) -> Errors:
-    """Errors of one integral, by the weights (n,) of independent points and their values (n, 3) as in `Residual`."""
+    """Errors of one integral, by the weights (n,) of independent points and their values (n, 3+) as in `Residual`."""
     squared = weights**2
-    return Errors(weights @ values[:, :1], squared @ values[:, 1:2], squared @ values[:, 2:])
+    return Errors(weights @ values[:, :1], squared @ values[:, 1:2], squared @ values[:, 2:3])
 
 
 def standard_errors(scan: Scan, band: str, left: Floats) -> Floats:

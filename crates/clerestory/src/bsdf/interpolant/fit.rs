@@ -14,8 +14,8 @@ use crate::error::{Error, Result};
 /// Levels of division: 8 cells an axis at least (18°), 512 at most (0.3°).
 const FIRST: u32 = 3;
 const LAST: u32 = 9;
-/// Radius of a lobe in widths of its cell.
-const OVERLAP: f64 = 2.1;
+/// Radius of a lobe in widths of its cell: narrower ones sag between points that are as far apart as the light is wide.
+const OVERLAP: f64 = 2.6;
 /// Share of a value that lobes need not resolve.
 const TOLERANCE: f64 = 0.02;
 /// Points about a place that was not measured from which it is guessed.
@@ -356,7 +356,7 @@ fn solve(points: &[Point], weights: &[f64], cells: &mut [Cell]) -> Vec<f64> {
     const ASKED: usize = 4;
     const STILL: f64 = 1e-4;
     const BEYOND: f64 = 1.6;
-    const RIDGE: f64 = 0.002;
+    const RIDGE: f64 = 0.0005;
     let mut rest: Vec<f64> = points.iter().map(|p| p.value).collect();
     for cell in &*cells {
         for &(k, v) in &cell.column {
