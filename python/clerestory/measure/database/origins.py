@@ -49,7 +49,9 @@ class Origins(Writing):
             return _product(connection, sha256, {})
 
     def _place(self, connection: Connection, found: _Found, table: Table, item: Scan | SphereValues, mark: str) -> None:
-        marked = _numbered(table).where(table.c.mark == mark)
+        # Marks are indexed by sample: without naming all, every scan would be looked at for each that is asked for.
+        of_any = table.c.sample_id.in_(select(tables.samples.c.id))
+        marked = _numbered(table).where(table.c.mark == mark, of_any)
         rows: list[tuple[int, str]] = [(row[0], row[1]) for row in connection.execute(marked)]
         if not rows and item.source is not None:
             parent = _product(connection, item.source.sha256, found.products)
