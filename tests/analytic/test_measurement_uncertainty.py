@@ -119,7 +119,11 @@ def test_directions_between_measured_ones():
 
 def test_half_of_the_directions_are_spread_out():
     places = np.column_stack([np.sin(np.radians(np.arange(0.0, 81.0, 10.0))), np.zeros(9)])
-    assert list(spread_out(places, "isotropic", 5)) == [0, 2, 4, 6, 8]
+    assert list(spread_out(places, "isotropic")) == [0, 2, 4, 6, 8]
+    # What is the same under the symmetry, but for a slight turn of the sample, counts once.
+    turned = np.concatenate([places, -places, 1.0001 * places])
+    assert len(spread_out(turned, "rotational")) == 5
+    assert len(spread_out(turned, "none")) == 9
 
 
 def test_errors_of_interpolation_grow_with_the_square_of_the_gap():
@@ -233,3 +237,14 @@ def test_budgets_of_a_fit_name_every_cause():
     assert outside.beyond
     assert outside.of_total["coverage"] > on.of_total["coverage"]
     assert (between.flux_errors > 0.0).all()
+
+
+def test_what_symmetry_repeats_says_nothing_of_the_gaps():
+    """A model of half of the directions foretells their images exactly."""
+    at = [(0.0, 0.0)] + [(theta, phi) for theta in (25.0, 50.0) for phi in (0.0, 90.0, 180.0, 270.0)]
+    scans = [pg2.scan("twill", theta, phi, spacing_deg=10.0, seed=1) for theta, phi in at]
+    made = fit(scans, symmetry="rotational", hold_out=False)
+    (one,) = uncertainties(scans, made).values()
+    for theta in (12.0, 37.0):
+        between = one.at(direction(theta, 0.0, side="exterior"))
+        assert 0.0 < between.of_total["interpolation"] < 0.1 * between.total

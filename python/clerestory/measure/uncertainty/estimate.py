@@ -18,7 +18,7 @@ from clerestory.measure.uncertainty.between import LeftOut, by_chance, contrast,
 from clerestory.measure.uncertainty.budget import Budget
 from clerestory.measure.uncertainty.cone import blurred, cone_of
 from clerestory.measure.uncertainty.halves import split
-from clerestory.measure.uncertainty.neighbours import Neighbours, spread_out
+from clerestory.measure.uncertainty.neighbours import SAME_DEG, Neighbours, spread_out
 from clerestory.measure.uncertainty.patches import Patches
 from clerestory.measure.uncertainty.reach import beyond_points
 from clerestory.model import Model
@@ -235,7 +235,7 @@ class Uncertainty:
         count, symmetry = len(self._groups), self.component.symmetry
         if count < _FEWEST:
             return None
-        kept = spread_out(self._places, symmetry, (count + 1) // 2)
+        kept = spread_out(self._places, symmetry)
         try:
             neighbours = Neighbours(self._places[kept], symmetry)
         except ClerestoryError:
@@ -247,7 +247,7 @@ class Uncertainty:
         found = []
         for n in sorted(set(range(count)) - set(kept.tolist())):
             around = neighbours.around(self._places[n])
-            if not around.beyond:
+            if not around.beyond and around.spread_deg2 > SAME_DEG**2:
                 toward = self._groups[n][0].incident[None]
                 foretold, known = (float(b.integrate(toward, self.component.scatter)[0]) for b in (half, self.bsdf))
                 found.append(LeftOut(foretold, known, around.spread_deg2))

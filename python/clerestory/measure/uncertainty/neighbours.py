@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 _ONE = np.eye(2)
 _SAME = 1e-6
+SAME_DEG = 0.25
+"""Directions that are nearer were meant to be one."""
 
 
 @dataclass(frozen=True)
@@ -109,18 +111,23 @@ class Neighbours:
         return Between(self._which[corners], images, shares, float(shares @ angle**2), beyond)
 
 
-def spread_out(places: Floats, symmetry: Symmetry, count: int) -> NDArray[np.int64]:
-    """Indices of `count` places, each the farthest from those before; the first is nearest to the normal."""
+def spread_out(places: Floats, symmetry: Symmetry) -> NDArray[np.int64]:
+    """Indices of half of the places, each the farthest from those before; the first is nearest to the normal.
+
+    Places that are the same under the symmetry count as one.
+    """
     images = _images(symmetry)
     if symmetry == "isotropic":
         places = np.column_stack([np.linalg.norm(places, axis=1), np.zeros(len(places))])
     chosen = [int(np.argmin(np.linalg.norm(places, axis=1)))]
     nearest = np.full(len(places), np.inf)
-    while len(chosen) < min(count, len(places)):
+    while True:
         for image in images:
             nearest = np.minimum(nearest, _angles_deg(places, image @ places[chosen[-1]]))
-        chosen.append(int(np.argmax(nearest)))
-    return np.sort(np.array(chosen, dtype=np.int64))
+        farthest = int(np.argmax(nearest))
+        if nearest[farthest] < SAME_DEG:
+            return np.sort(np.array(chosen[: (len(chosen) + 1) // 2], dtype=np.int64))
+        chosen.append(farthest)
 
 
 def _images(symmetry: Symmetry) -> list[Floats]:
