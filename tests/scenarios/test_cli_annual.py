@@ -130,7 +130,7 @@ def test_critical_moments(study, capsys):
         ("paths = 1024", "paths = 1000", "paths"),
         ("paths = 1024", 'method = "4-phase"', "method"),
         ("paths = 1024", 'basis = "klems"', "klems-full"),
-        ("paths = 1024", 'views = ["sofa"]', "there is no view 'sofa'"),
+        ("paths = 1024", 'views = ["sofa"]', "views: there is no view 'sofa'"),
         ("paths = 1024", 'sensors = ["roof"]', "there are no sensors 'roof'"),
         ("glass = 0.1", 'file = "lost.xml"', "lost.xml does not exist"),
         ("paths = 1024", 'views = ["desk"]\nmethod = "3-phase"', "give the method 5-phase"),

@@ -202,7 +202,7 @@ def test_behind_a_pane(folder, capsys):
     [
         (("north.xml", "nowhere.xml"), "systems.sheet.data_sets[1].file: * does not exist (check it"),
         (("[year]", "[yaer]"), "yaer: there is no such key (did you mean year?)"),
-        (('view = "desk"', 'view = "desc"'), "year.there is no view 'desc' (did you mean desk?)"),
+        (('view = "desk"', 'view = "desc"'), "year.views: there is no view 'desc' (did you mean desk?)"),
         (('"South", file = "south.xml"', '"North", file = "south.xml"'), "North has two data sets of resolution klems"),
         (('file = "north.xml"', 'file = "dark.xml"'), "no transmission"),
         (('treatments = ["klems", "klems-peaks"]', 'treatments = ["high"]'), "none of them fits"),

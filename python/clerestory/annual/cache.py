@@ -7,7 +7,7 @@ import io
 import json
 import os
 import time
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -182,7 +182,8 @@ class Cache:
 def _mark_used(path: Path) -> None:
     """Note when a file was last read, which file systems do not always do; not in a cache that others keep."""
     if os.access(path, os.W_OK):
-        os.utime(path, ns=(time.time_ns(), path.stat().st_mtime_ns))
+        with suppress(PermissionError):  # the owner alone sets times
+            os.utime(path, ns=(time.time_ns(), path.stat().st_mtime_ns))
 
 
 def _checksum(arrays: Arrays) -> str:

@@ -102,9 +102,11 @@ class Study:
         views = [] if recipe.method in ("2-phase", "3-phase") else list(known.views)
         self.views = views if recipe.views is None else recipe.views
         """Names of views."""
-        for name in self.views:
-            self.room.view(name)
-        grids = [self.room.sensors(name) for name in self.sensors]
+        with reading("views"):
+            for name in self.views:
+                self.room.view(name)
+        with reading("sensors"):
+            grids = [self.room.sensors(name) for name in self.sensors]
         ends = np.cumsum([0, *(len(points) for points, _ in grids)]).tolist()
         self.places = {name: slice(ends[k], ends[k + 1]) for k, name in enumerate(self.sensors)}
         """Which of the points are those of each name of sensors."""
