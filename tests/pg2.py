@@ -113,14 +113,14 @@ def bsdf(sample, at, outgoing):
     return floor / np.pi + sum(lobe(outgoing) for lobe in lobes)
 
 
-def _square(count):
+def square(count):
     """Directions of equal projected solid angle (n, 3)."""
     u, v = np.meshgrid((np.arange(count) + 0.5) / count, (np.arange(2 * count) + 0.5) / (2 * count))
     r, turn = np.sqrt(u.ravel()), 2.0 * np.pi * v.ravel()
     return np.stack([r * np.cos(turn), r * np.sin(turn), np.sqrt(1.0 - r**2)], axis=-1)
 
 
-EVEN = _square(300)
+EVEN = square(300)
 
 
 def total(sample, at):
