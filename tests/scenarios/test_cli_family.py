@@ -270,6 +270,6 @@ def test_a_family_that_cannot_be_written_leaves_nothing(folder, capsys):
     words[4] = folder / "built"
     failed(capsys, *words)
     assert {path.name: path.read_bytes() for path in (folder / "built").iterdir()} == before
-    assert "is no folder" in failed(capsys, "system", "family", folder / "family.toml", "-o", folder / "days.wea")
+    assert "is a file" in failed(capsys, "system", "family", folder / "family.toml", "-o", folder / "days.wea")
     assert "--for goes with --output" in failed(capsys, "system", "family", folder / "family.toml", "--for", "plain")
     assert "not TOML" in failed(capsys, "system", "family", folder / "built" / "tilt_0.xml")

@@ -234,7 +234,8 @@ def test_wrong_studies_say_so_in_one_line(folder, capsys, change, text):
     ("words", "code", "text"),
     [
         (["north.xml", "south.xml"], 2, "the results have no folder (give -o FOLDER, --json or --dry-run)"),
-        (["north.xml", "south.xml", "-o", "north.xml"], 2, "is a file (give a folder)"),
+        (["north.xml", "south.xml", "-o", "north.xml"], 2, "is a file (give a folder, or a name that is free)"),
+        (["north.xml", "south.xml", "-o", "report.pdf"], 2, "report.pdf: several files are written, into a folder"),
         (["north.xml", "gone.xml", "--dry-run"], 1, "gone.xml: no such file or directory (check the path)"),
         (["north.xml", "--dry-run"], 1, "fewer than two laboratories"),
         (["study.toml", "north.xml", "--dry-run"], 2, "a study stands alone"),

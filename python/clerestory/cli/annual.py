@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from clerestory.cli.common import JsonOption, UsageError, about, note, print_json, progress, say, table
+from clerestory.cli.common import JsonOption, UsageError, about, check_folder, note, print_json, progress, say, table
 
 if TYPE_CHECKING:
     from clerestory.annual.study import Study
@@ -55,8 +55,7 @@ def annual(
     from clerestory.annual import results
     from clerestory.annual.study import load
 
-    if output is not None and output.exists() and not output.is_dir():
-        raise UsageError(f"{output}: is a file (give a folder)")
+    check_folder(output)
     if workers is not None and scheduler is not None:
         raise UsageError("--workers and --scheduler are two ways (give one)")
     if picture and (output is None or critical):

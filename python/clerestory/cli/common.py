@@ -43,6 +43,7 @@ SideOption = Annotated[str, typer.Option("--side", metavar="SIDE", help="Side th
 ScatterOption = Annotated[
     str, typer.Option("--scatter", metavar="SCATTER", help="Light that passes (transmission) or returns (reflection).")
 ]
+_OF_FILES = (".nc", ".csv", ".json", ".html", ".pdf", ".png", ".svg", ".xml", ".npz", ".toml")
 SIDE_NAMES = ("exterior", "interior")
 SCATTER_NAMES = ("transmission", "reflection")
 TREES: tuple[Literal["tensor3", "tensor4"], ...] = ("tensor3", "tensor4")
@@ -292,6 +293,16 @@ def check_bsdf_name(output: Path) -> None:
     """Fail if an output's name tells none of the formats of BSDF files."""
     if not is_bsdf(output):
         raise UsageError(f"{output}: the name does not tell the format (end it with .xml, .xml.gz or .bsdf.npz)")
+
+
+def check_folder(output: Path | None) -> None:
+    """Fail if what results are written into is a file, or is named as one."""
+    if output is None or output.is_dir():
+        return
+    if output.exists():
+        raise UsageError(f"{output}: is a file (give a folder, or a name that is free)")
+    if output.suffix.lower() in _OF_FILES:
+        raise UsageError(f"{output}: several files are written, into a folder (leave {output.suffix} out)")
 
 
 def refuse_overwriting(output: Path, inputs: Sequence[Path]) -> None:

@@ -8,7 +8,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from clerestory.cli.common import JsonOption, UsageError, about, note, one_of, print_json, say, table, tasks, warn
+from clerestory.cli.common import (
+    JsonOption,
+    UsageError,
+    about,
+    check_folder,
+    note,
+    one_of,
+    print_json,
+    say,
+    table,
+    tasks,
+    warn,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -65,8 +77,7 @@ def roundrobin(
     from clerestory.annual.traced import kept
     from clerestory.roundrobin.run import Work
 
-    if output is not None and output.exists() and not output.is_dir():
-        raise UsageError(f"{output}: is a file (give a folder)")
+    check_folder(output)
     if output is None and not (as_json or dry_run):
         raise UsageError("the results have no folder (give -o FOLDER, --json or --dry-run)")
     kept_in = Cache(cache)

@@ -11,6 +11,7 @@ from clerestory.cli.common import (
     JsonOption,
     UsageError,
     about,
+    check_folder,
     note,
     one_of,
     print_json,
@@ -65,8 +66,7 @@ def family(
     if xml is not None and output is None:
         raise UsageError("--for goes with --output (give a folder)")
     target = None if xml is None else cast("Target", one_of(xml, "--for", _TARGETS))
-    if output is not None and output.exists() and not output.is_dir():
-        raise UsageError(f"{output}: is no folder (give one, or a name that is free)")
+    check_folder(output)
     made, sources = _family(spec, quiet=as_json)
     written: list[Path] = []
     if output is not None:
