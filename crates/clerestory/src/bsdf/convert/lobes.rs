@@ -7,7 +7,8 @@ use rayon::prelude::*;
 
 use super::kernel::{Means, rows};
 use super::points::Points;
-use crate::bsdf::interpolant::{Interpolant, Raster};
+use crate::basis::Basis;
+use crate::bsdf::interpolant::{Interpolant, Lobe, Raster, State};
 use crate::bsdf::tree::Grid;
 use crate::bsdf::{Model, Rank, Tree, Turn};
 use crate::direction::Disk;
@@ -91,7 +92,7 @@ pub fn means(
     let incident = incident.thinned(PAIRS);
     let n = ((CELLS * outgoing.basis.len()) as f64).sqrt().ceil() as usize;
     let n = n.next_power_of_two().min(MOST);
-    let (raster, patches) = (Raster::new(n), Patches::new(n, turn, outgoing));
+    let (raster, patches) = (Raster::new(n), Patches::new(n, turn, &outgoing.basis));
     let narrow2 = NARROW * NARROW * PI / (n * n) as f64;
     let back = turn.inverse();
     rows(&incident, outgoing, progress, |i, halves| {
@@ -104,11 +105,12 @@ pub fn means(
                 row[o] += flux / outgoing.basis.projected_solid_angle(o);
             };
             for &point in incident.of(i).iter().skip(half).step_by(2) {
-                let mut state = model.state(back.apply(point));
-                if let Some(peak) = state.peak.take() {
+                let (lobes, floor, peak) = model.parts(back.apply(point));
+                if let Some(peak) = peak {
                     add(peak.outgoing, peak.value);
                 }
-                for lobe in state.take_narrow(narrow2) {
+                let (narrow, wide): (Vec<Lobe>, Vec<Lobe>) = lobes.into_iter().partition(|l| l.radius2 < narrow2);
+                for lobe in narrow {
                     let to: [Disk; DRAWS] = std::array::from_fn(|k| lobe.draw(r2(drawn + k as u32, [0.5; 2])));
                     drawn += DRAWS as u32;
                     let heights: f64 = to.iter().map(|t| t.cos_theta()).sum();
@@ -116,7 +118,7 @@ pub fn means(
                         add(t, lobe.flux * t.cos_theta() / heights);
                     }
                 }
-                state.add_to(&raster, &mut sums, 0.0);
+                State::new(&wide, floor, None).add_to(&raster, &mut sums, 0.0);
             }
             patches.add(&sums, row);
         }
@@ -131,12 +133,12 @@ struct Patches {
 
 impl Patches {
     /// For `n` cells an axis, turned by `turn`.
-    fn new(n: usize, turn: Turn, outgoing: &Points) -> Self {
+    fn new(n: usize, turn: Turn, basis: &Basis) -> Self {
         /// Points an axis of a cell.
         const FINE: usize = 16;
         let all = n * FINE;
         let at = |k: usize| (k as f64 + 0.5) / all as f64;
-        let patch = |x: usize, y: usize| outgoing.basis.patch_of(turn.apply(Disk::from_square([at(x), at(y)])));
+        let patch = |x: usize, y: usize| basis.patch_of(turn.apply(Disk::from_square([at(x), at(y)])));
         let mut shares: Vec<Vec<(usize, f64)>> = (0..n * n)
             .into_par_iter()
             .map(|cell| {
@@ -152,7 +154,7 @@ impl Patches {
                 own
             })
             .collect();
-        let mut counts = vec![0.0; outgoing.basis.len()];
+        let mut counts = vec![0.0; basis.len()];
         for &(o, count) in shares.iter().flatten() {
             counts[o] += count;
         }

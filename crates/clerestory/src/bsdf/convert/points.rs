@@ -46,13 +46,9 @@ impl Points {
 
     /// The first ones of each patch, so many times fewer: an even number.
     pub fn thinned(&self, times: usize) -> Self {
-        Self {
-            basis: self.basis.clone(),
-            count: (self.count / times / 2 * 2).max(2),
-            role: self.role,
-            seed: self.seed,
-            disks: OnceLock::new(),
-        }
+        let samples = (self.count / times / 2 * 2).max(2) as u32;
+        let seed = self.seed;
+        Self::new(&self.basis, self.role, Sampling { samples, seed })
     }
 
     /// All points, patch by patch.

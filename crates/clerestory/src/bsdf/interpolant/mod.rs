@@ -268,21 +268,24 @@ impl Interpolant {
 
     /// The distribution of one incident direction.
     pub fn state(&self, incident: Disk) -> State {
+        let (lobes, floor, peak) = self.parts(incident);
+        State::new(&lobes, floor, peak)
+    }
+
+    /// Its lobes, floor (1/sr) and beam.
+    pub fn parts(&self, incident: Disk) -> (Vec<Lobe>, f64, Option<Peak>) {
         let (point, turn) = self.canonical(incident);
         let place = self.place(point);
         let mut lobes = self.lobes(&place);
         // What is next to nothing is left out; the others are scaled to the total.
         let least = SLIGHT * lobes.iter().map(|l| l.flux).sum::<f64>();
         lobes.retain(|l| l.flux > least);
-        let mut floor = self.mean(&place, |d| d.floor);
+        let floor = self.mean(&place, |d| d.floor);
         let known: f64 = lobes.iter().map(|l| l.flux).sum::<f64>() + std::f64::consts::PI * floor;
         let (wanted, beam) = self.totals(point, &place);
         let scale = if known > 0.0 { wanted / known } else { 0.0 };
-        floor *= scale;
         for lobe in &mut lobes {
             lobe.flux *= scale;
-        }
-        for lobe in &mut lobes {
             lobe.centre = turn.apply(lobe.centre);
         }
         let peak = (beam > 0.0).then(|| Peak {
@@ -290,7 +293,7 @@ impl Interpolant {
             value: beam,
             extent: self.mean(&place, |d| d.extent),
         });
-        State::new(&lobes, floor, peak)
+        (lobes, scale * floor, peak)
     }
 
     /// What the others say of each measured direction that lies among them: the number of the measured one, and the model

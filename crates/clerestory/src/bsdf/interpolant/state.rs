@@ -251,22 +251,6 @@ impl State {
         HALF * narrowest.sqrt()
     }
 
-    /// Takes out the lobes of less than a radius, given squared.
-    pub fn take_narrow(&mut self, radius2: f64) -> Vec<Lobe> {
-        let mut taken = Vec::new();
-        let mut rest = Vec::with_capacity(self.lobes.len());
-        for ready in &self.lobes {
-            let lobe = Lobe {
-                centre: Disk::new(ready.at[0], ready.at[1]),
-                radius2: ready.radius2,
-                flux: ready.density * solid_angle(ready.radius2),
-            };
-            if lobe.radius2 < radius2 { &mut taken } else { &mut rest }.push(lobe);
-        }
-        *self = Self::new(&rest, self.floor, self.peak);
-        taken
-    }
-
     /// Adds the mean BSDF over cells of equal projected solid angle, whose middles are given, to `values`. A lobe is widened by
     /// the cells' own width, and carries what it carries however few middles it covers.
     pub fn add_to(&self, cells: &Raster, values: &mut [f64], spread2: f64) {
