@@ -11,6 +11,7 @@ from clerestory.cli.common import (
     JsonOption,
     UsageError,
     angle_pair,
+    check_folder,
     list_shipped,
     note,
     numbers,
@@ -110,8 +111,7 @@ def plan(
     wanted = _job(job, options)
     made = make_plan(wanted, find_instrument(instrument or wanted.instrument))
     if output is not None:
-        if output.exists() and not output.is_dir():
-            raise UsageError(f"{output}: is a file (give a folder for the plan)")
+        check_folder(output)
         written = write_plan(made, output)
     if as_json:
         print_json(for_machines(made))

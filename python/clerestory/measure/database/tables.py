@@ -72,6 +72,11 @@ def _of(table: str, *, optional: bool = False, cascade: bool = False, primary: b
     )
 
 
+def _link(owner: str, what: str) -> Table:
+    """Rows of one table that name rows of another: they go with the owner's, and keep the others from being removed."""
+    return Table(f"{owner[:-1]}_{what}", metadata, _of(owner, cascade=True, primary=True), _of(what, primary=True))
+
+
 # Large contents (files as they were, models, reports) in pieces, beside the rows that lists are made of.
 blobs = Table(
     "blobs",
@@ -229,13 +234,8 @@ model_parents = Table(
     _of("models", cascade=True, primary=True),
     Column("parent_id", ForeignKey("models.id"), primary_key=True),  # the model or scans that it was made from
 )
-model_scans = Table("model_scans", metadata, _of("models", cascade=True, primary=True), _of("scans", primary=True))
-model_sphere_values = Table(
-    "model_sphere_values",
-    metadata,
-    _of("models", cascade=True, primary=True),
-    _of("sphere_values", primary=True),
-)
+model_scans = _link("models", "scans")
+model_sphere_values = _link("models", "sphere_values")
 reports = Table(
     "reports",
     metadata,
@@ -246,19 +246,10 @@ reports = Table(
     Column("made", Moment, nullable=False),
     Column("kind", String(16), nullable=False, server_default="report"),  # report; or check, what a check found
 )
-report_models = Table(
-    "report_models", metadata, _of("reports", cascade=True, primary=True), _of("models", primary=True)
-)
-report_samples = Table(
-    "report_samples", metadata, _of("reports", cascade=True, primary=True), _of("samples", primary=True)
-)
-report_scans = Table("report_scans", metadata, _of("reports", cascade=True, primary=True), _of("scans", primary=True))
-report_sphere_values = Table(
-    "report_sphere_values",
-    metadata,
-    _of("reports", cascade=True, primary=True),
-    _of("sphere_values", primary=True),
-)
+report_models = _link("reports", "models")
+report_samples = _link("reports", "samples")
+report_scans = _link("reports", "scans")
+report_sphere_values = _link("reports", "sphere_values")
 
 notes = Table(
     "notes",
