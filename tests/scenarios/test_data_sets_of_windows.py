@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from blind_recipe import BLIND
 from clerestory import Bsdf, Model, room, trace
 from clerestory.annual.cache import Cache
 from clerestory.annual.study import load
@@ -17,18 +18,7 @@ from clerestory.system.build import load as specified
 from clerestory.trace.keys import RecipeError
 from short_study import ROOM, days
 
-BLIND = """
-[sample]
-kind = "venetian-blind"
-pitch_mm = 72
-tilt_deg = 30
-[sample.slat]
-width_mm = 80
-upper = "paint"
-[materials.paint]
-kind = "lambertian"
-reflectance = 0.5
-"""
+TILTED = BLIND.replace("pitch_mm = 72", "pitch_mm = 72\ntilt_deg = 30")
 WINDOW = """
 [[layers]]
 kind = "glass"
@@ -47,7 +37,7 @@ NORMAL = direction(0.0, 0.0)
 
 @pytest.fixture
 def folder(tmp_path):
-    (tmp_path / "blind.toml").write_text(BLIND)
+    (tmp_path / "blind.toml").write_text(TILTED)
     (tmp_path / "window.toml").write_text(WINDOW)
     (tmp_path / "shaded.toml").write_text(SHADED)
     (tmp_path / "pane.csv").write_text(GLASS)
@@ -85,7 +75,7 @@ def test_a_changed_recipe_is_another_data_set(folder, quick):
     traced, seen = quick
     first = mark(system_of(System(file="shaded.toml"), "s", folder, traced).bsdf)
     # The specification stays as it is; a file that it names does not.
-    (folder / "blind.toml").write_text(BLIND.replace("0.5", "0.6"))
+    (folder / "blind.toml").write_text(TILTED.replace("0.5", "0.6"))
     assert mark(system_of(System(file="shaded.toml"), "s", folder, traced).bsdf) != first
     assert len(seen) == 2
 
@@ -203,5 +193,5 @@ def test_a_room_is_known_by_what_its_windows_hold(folder, quick):
     traced, _ = quick
     (folder / "room.toml").write_text(ROOM.replace("glass = 0.7", 'file = "shaded.toml"\ntreatment = "klems"'))
     first = room.load(folder / "room.toml", traced=traced).content()
-    (folder / "blind.toml").write_text(BLIND.replace("0.5", "0.6"))
+    (folder / "blind.toml").write_text(TILTED.replace("0.5", "0.6"))
     assert room.load(folder / "room.toml", traced=traced).content() != first

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from blind_recipe import BLIND
 from camera import TIMES, Maker
 from clerestory import Bsdf, Model
 from clerestory.cli import main
@@ -15,17 +16,6 @@ from clerestory.photo import Lens
 from short_study import ROOM, days
 
 SIDES = [(side, scatter) for side in ("exterior", "interior") for scatter in ("transmission", "reflection")]
-BLIND = """
-[sample]
-kind = "venetian-blind"
-pitch_mm = 72
-[sample.slat]
-width_mm = 80
-upper = "paint"
-[materials.paint]
-kind = "lambertian"
-reflectance = 0.5
-"""
 PANE = '[sample]\nkind = "pane"\nthickness_mm = 0\nexterior = "m"\n[materials.m]\n'
 FILM = '[sample]\nkind = "height-map"\nstep_um = 1\nmedium = "g"\nbase_um = 1\n[media.g]\nindex = 1.5\n'
 SCANNED = '[sample]\nkind = "scanned-profile"\nmedium = "g"\nbase_um = 200\ntolerance_um = 1\n[media.g]\nindex = 1.5\n'

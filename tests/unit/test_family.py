@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from blind_recipe import BLIND
 from clerestory import Basis, Bsdf, ClerestoryError, Model, trace
 from clerestory.directions import direction
 from clerestory.system import family
@@ -16,18 +17,7 @@ from clerestory.system.product import Curve, product_of
 SIDES = [(side, scatter) for side in ("exterior", "interior") for scatter in ("transmission", "reflection")]
 QUARTER = Basis.named("klems-quarter")
 NORMAL = np.array([0.0, 0.0, -1.0])
-BLIND = """
-[sample]
-kind = "venetian-blind"
-pitch_mm = 72
-[sample.slat]
-width_mm = 80
-crown_mm = 5
-upper = "paint"
-[materials.paint]
-kind = "lambertian"
-reflectance = 0.5
-"""
+CROWNED = BLIND.replace("width_mm = 80", "width_mm = 80\ncrown_mm = 5")
 HEAD = '[family]\nparameter = "tilt_deg"\nvalues = [0, 30, 60]\nbasis = "klems-quarter"\nsamples = 32\n'
 
 
@@ -47,7 +37,7 @@ def matrix_state(name, value, transmittance):
 
 
 def test_a_blind_gets_a_data_set_for_each_tilt(tmp_path):
-    planned = family.load(written(tmp_path, HEAD + BLIND))
+    planned = family.load(written(tmp_path, HEAD + CROWNED))
     assert planned.slats_mm == {"width": 80.0, "pitch": 72.0, "crown": 5.0}
     made = planned.make()
     assert [s.name for s in made.states] == ["tilt_0", "tilt_30", "tilt_60"]
@@ -59,7 +49,7 @@ def test_a_blind_gets_a_data_set_for_each_tilt(tmp_path):
 
 
 def test_a_layer_of_a_window_changes_though_its_recipe_is_a_file(tmp_path):
-    written(tmp_path, BLIND, "blind.toml")
+    written(tmp_path, CROWNED, "blind.toml")
     window = """
 [family]
 parameter = "tilt_deg"
@@ -96,7 +86,7 @@ thickness_mm = 4
 
 
 def test_a_height_mixes_the_product_with_an_opening(tmp_path):
-    text = HEAD.replace("tilt_deg", "height").replace("[0, 30, 60]", "[0, 0.25, 1]") + BLIND
+    text = HEAD.replace("tilt_deg", "height").replace("[0, 30, 60]", "[0, 0.25, 1]") + CROWNED
     made = family.load(written(tmp_path, text)).make()
     whole = float(made.states[2].bsdf.integrate(NORMAL, "transmission"))
     found = [float(s.bsdf.integrate(NORMAL, "transmission")) for s in made.states]
@@ -128,7 +118,7 @@ AT_33 = direction(33.0, 90.0)
 
 @pytest.mark.parametrize("without", ["sharp.toml", "pane.toml", "blind.toml", "pane.npz", "flat-blind"])
 def test_the_window_without_the_product_is_named_as_everywhere(tmp_path, without):
-    written(tmp_path, BLIND, "blind.toml")
+    written(tmp_path, CROWNED, "blind.toml")
     written(tmp_path, PANE, "pane.toml")
     written(tmp_path, SHARP, "sharp.toml")
     Bsdf.from_models({"visible": dict.fromkeys(SIDES, Model.specular(0.4))}).save(tmp_path / "pane.npz")
@@ -136,7 +126,7 @@ def test_the_window_without_the_product_is_named_as_everywhere(tmp_path, without
     def few(sample, **settings):
         return trace.measure(sample, **{**settings, "samples": 16})
 
-    planned = family.load(written(tmp_path, f'{HALF}without = "{without}"\n' + BLIND))
+    planned = family.load(written(tmp_path, f'{HALF}without = "{without}"\n' + CROWNED))
     made = planned.make(few)
     alone = data_set(without, tmp_path, traced=few)
     assert set(alone.sources) <= set(planned.sources)
@@ -149,7 +139,7 @@ def test_the_window_without_the_product_is_named_as_everywhere(tmp_path, without
 
 
 def test_over_sharp_glass_both_windows_are_sharp(tmp_path):
-    written(tmp_path, BLIND, "blind.toml")
+    written(tmp_path, CROWNED, "blind.toml")
     written(tmp_path, SHARP, "sharp.toml")
     head = HALF.replace('basis = "klems-quarter"\nsamples = 16', 'without = "sharp.toml"')
     planned = family.load(written(tmp_path, head + OVER_GLASS))
@@ -162,7 +152,7 @@ def test_over_sharp_glass_both_windows_are_sharp(tmp_path):
     sharp = data_set("sharp.toml", tmp_path).bsdf
     assert made.states[0].bsdf.metadata.emissivity_exterior == pytest.approx(0.84, abs=0.01)
     sharp.only_band("solar").save(tmp_path / "solar.npz")
-    planned = family.load(written(tmp_path, HALF + 'without = "solar.npz"\n' + BLIND))
+    planned = family.load(written(tmp_path, HALF + 'without = "solar.npz"\n' + CROWNED))
     with pytest.raises(ClerestoryError, match=r"^family.without: .* has solar, the product visible \(build both"):
         planned.make()
 
@@ -240,18 +230,18 @@ def test_damaged_manifests(tmp_path):
 @pytest.mark.parametrize(
     ("text", "match"),
     [
-        (BLIND, r"family: is missing \(add a table"),
+        (CROWNED, r"family: is missing \(add a table"),
         (HEAD, "family.product: is missing"),
-        (HEAD + 'product = "round-robin-blind"\n' + BLIND, r"tables beside \[family\]: sample, materials"),
+        (HEAD + 'product = "round-robin-blind"\n' + CROWNED, r"tables beside \[family\]: sample, materials"),
         (HEAD + 'product = "round-robin-blinds"\n', "did you mean round-robin-blind"),
         (HEAD + 'product = "none.toml"\n', "none.toml does not exist"),
-        (HEAD.replace("tilt_deg", "tilt") + BLIND, r"the product has no tilt with a number \(it has"),
-        (HEAD.replace("[0, 30, 60]", "[0, 60, 30]") + BLIND, "family.values: they neither rise nor fall"),
-        (HEAD.replace("[0, 30, 60]", "[0]") + BLIND, "family.values"),
-        (HEAD.replace("tilt_deg", "height") + BLIND, "a height is a share"),
-        (HEAD + 'without = "x.xml"\n' + BLIND, "family.without: goes with the parameter height"),
-        (HEAD + "tilts = [1]\n" + BLIND, r"family.tilts: there is no such key"),
-        (HEAD + '[product]\norientation = { mounting = "roof" }\n' + BLIND, "product.orientation.up_azimuth_deg"),
+        (HEAD.replace("tilt_deg", "tilt") + CROWNED, r"the product has no tilt with a number \(it has"),
+        (HEAD.replace("[0, 30, 60]", "[0, 60, 30]") + CROWNED, "family.values: they neither rise nor fall"),
+        (HEAD.replace("[0, 30, 60]", "[0]") + CROWNED, "family.values"),
+        (HEAD.replace("tilt_deg", "height") + CROWNED, "a height is a share"),
+        (HEAD + 'without = "x.xml"\n' + CROWNED, "family.without: goes with the parameter height"),
+        (HEAD + "tilts = [1]\n" + CROWNED, r"family.tilts: there is no such key"),
+        (HEAD + '[product]\norientation = { mounting = "roof" }\n' + CROWNED, "product.orientation.up_azimuth_deg"),
     ],
 )
 def test_faults_of_a_specification_are_named(tmp_path, text, match):
@@ -262,6 +252,6 @@ def test_faults_of_a_specification_are_named(tmp_path, text, match):
 
 
 def test_a_state_that_cannot_be_made_is_named(tmp_path):
-    planned = family.load(written(tmp_path, HEAD.replace("[0, 30, 60]", "[0, 95]") + BLIND))
+    planned = family.load(written(tmp_path, HEAD.replace("[0, 30, 60]", "[0, 95]") + CROWNED))
     with pytest.raises(ClerestoryError, match=r"state tilt_95: sample\.tilt_deg"):
         planned.make()

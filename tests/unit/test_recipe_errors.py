@@ -4,22 +4,10 @@ import tomllib
 
 import pytest
 
+from blind_recipe import BLIND
 from clerestory import ClerestoryError
 from clerestory.trace import RecipeError, load
 
-SOUND = """
-[sample]
-kind = "venetian-blind"
-pitch_mm = 72
-
-[sample.slat]
-width_mm = 80
-upper = "paint"
-
-[materials.paint]
-kind = "lambertian"
-reflectance = 0.5
-"""
 WIDTH = "width_mm = 80"
 REFLECTANCE = "reflectance = 0.5"
 
@@ -66,8 +54,8 @@ REFLECTANCE = "reflectance = 0.5"
     ],
 )
 def test_a_wrong_key_is_named(old, new, message):
-    assert old in SOUND
-    text = SOUND.replace(old, new, 1)
+    assert old in BLIND
+    text = BLIND.replace(old, new, 1)
     if message is None:
         assert load(tomllib.loads(text)).bands == ["visible", "solar"]
         return
@@ -80,10 +68,10 @@ def test_a_wrong_key_is_named(old, new, message):
 
 def test_the_file_is_named_first(tmp_path):
     path = tmp_path / "blind.toml"
-    path.write_text(SOUND.replace(WIDTH, "width_mm = 0"))
+    path.write_text(BLIND.replace(WIDTH, "width_mm = 0"))
     with pytest.raises(RecipeError, match=r"blind\.toml: sample\.slat\.width_mm: 0 does not fit"):
         load(path)
-    path.write_text(SOUND.replace("[sample]", "[sample"))
+    path.write_text(BLIND.replace("[sample]", "[sample"))
     with pytest.raises(RecipeError, match=r"blind\.toml: not TOML: .*line 2"):
         load(path)
     path.write_bytes(b"name = '\xff'")
@@ -99,13 +87,13 @@ def test_a_recipe_that_does_not_exist_is_named():
 
 
 def test_unusual_sizes_are_warned_of():
-    sample = load(tomllib.loads(SOUND.replace(WIDTH, "width_mm = 80000").replace("72", "72000")))
+    sample = load(tomllib.loads(BLIND.replace(WIDTH, "width_mm = 80000").replace("72", "72000")))
     assert sample.warnings == ["sample.slat.width_mm: 80000 mm is unusual (check the unit)"]
-    assert load(tomllib.loads(SOUND)).warnings == []
+    assert load(tomllib.loads(BLIND)).warnings == []
 
 
 def test_values_by_band():
-    text = SOUND.replace(REFLECTANCE, "reflectance = { visible = 0.5, solar = 0.6 }")
+    text = BLIND.replace(REFLECTANCE, "reflectance = { visible = 0.5, solar = 0.6 }")
     text += '\n[bands]\nnames = ["solar", "visible"]\n'
     assert load(tomllib.loads(text)).recipe.materials["paint"].reflectance == {"visible": 0.5, "solar": 0.6}
     with pytest.raises(RecipeError, match=r"materials\.paint\.reflectance: no value for the band solar"):
