@@ -116,25 +116,22 @@ def _error_of_patches(found: NDArray[np.float64], truth: NDArray[np.float64]) ->
     return float(np.sqrt(np.average((found - truth) ** 2, weights=pairs)) / np.average(truth, weights=pairs))
 
 
+def _timed(files: list[str], home: Path, basis: str, convert: list[str]) -> tuple[Pair, list[Path]]:
+    """Both programs once, and the files that they write."""
+    written = [home / f"{whose}-{basis}.xml" for whose in ("ours", "theirs")]
+    ours = seconds(lambda: _ours(files, written[0], basis))
+    return Pair([ours], [seconds(lambda: _theirs(files, written[1], convert))]), written
+
+
 def _trees(files: list[str], home: Path) -> tuple[Pair, list[str]]:
-    ours, theirs = home / "ours.xml", home / "theirs.xml"
-    times = (
-        seconds(lambda: _ours(files, ours, "tensor4")),
-        seconds(lambda: _theirs(files, theirs, ["bsdf2ttree", "-g", "6"])),
-    )
-    errors = [" / ".join(f"{100 * error:.1f} %" for error in _errors(path)) for path in (ours, theirs)]
-    return Pair([times[0]], [times[1]]), errors
+    pair, written = _timed(files, home, "tensor4", ["bsdf2ttree", "-g", "6"])
+    return pair, [" / ".join(f"{100 * error:.1f} %" for error in _errors(path)) for path in written]
 
 
 def _klems(files: list[str], home: Path) -> tuple[Pair, list[str]]:
-    ours, theirs = home / "ours-klems.xml", home / "theirs-klems.xml"
-    times = (
-        seconds(lambda: _ours(files, ours, "klems-full")),
-        seconds(lambda: _theirs(files, theirs, ["bsdf2klems", "-n", "256"])),
-    )
+    pair, written = _timed(files, home, "klems-full", ["bsdf2klems", "-n", "256"])
     truth = _true_patches()
-    errors = [f"{100 * _error_of_patches(_patches(path), truth):.1f} %" for path in (ours, theirs)]
-    return Pair([times[0]], [times[1]]), errors
+    return pair, [f"{100 * _error_of_patches(_patches(path), truth):.1f} %" for path in written]
 
 
 def report(_: Path) -> str:
